@@ -1,0 +1,55 @@
+// config.h: the parameters of vdisp.cfg as a struct, read from the file, checked, printed: all from schema.def.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <iosfwd>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace vdisp {
+
+/// What a REAL_OR holds when the file has the word instead of a number.
+inline constexpr double word_given = std::numeric_limits<double>::quiet_NaN();
+namespace schema {
+constexpr double real_or(double value) { return value; }
+constexpr double real_or(const char*) { return word_given; }
+}  // namespace schema
+
+#define BEGIN(section, title, help) struct section##_section {
+#define END(section) };
+#define INT(section, key, initial, least, most, step, unit, when, help) int key = initial;
+#define REAL(section, key, initial, least, most, unit, when, help) double key = initial;
+#define REAL_OR(section, key, initial, least, most, word, unit, when, help) double key = schema::real_or(initial);
+#define FLAG(section, key, initial, when, help) bool key = initial;
+#define TEXT(section, key, initial, when, help) std::string key = initial;
+#define CHOICE(section, key, initial, choices, when, help) std::string key = initial;
+#include "config/schema.def"
+#undef BEGIN
+#undef END
+#undef INT
+#undef REAL
+#undef REAL_OR
+#undef FLAG
+#undef TEXT
+#undef CHOICE
+
+/// One member per section of the file; see schema.def for meaning, unit and range of each key.
+struct Config {
+  main_section main;
+  image_source_section image_source;
+  mounting_section mounting;
+  floor_section floor;
+  limit_section limit;
+  map_section map;
+  ipc_section ipc;
+  sim_section sim;
+
+  bool automatic_pitch() const { return std::isnan(limit.angRot); }
+  /// Expected pitch of the camera: [mounting] pitch, else the number in angRot; NaN where neither says.
+  double expected_pitch() const { return std::isnan(mounting.pitch) ? limit.angRot : mounting.pitch; }
+};
+
+}  // namespace vdisp

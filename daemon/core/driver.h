@@ -1,0 +1,103 @@
+// driver.h: runs the tree: stages in the order they were added, those that somebody needs, timed, published.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/core/processor.h"
+#include "ipc/outlet.h"
+#include "ipc/records.h"
+
+namespace vdisp {
+
+enum class Need { on_demand, always };
+
+/// One topic of the tree.
+struct Handle {
+  int topic = -1;
+};
+
+struct StageTiming {
+  uint64_t runs = 0, invalid = 0;
+  int64_t last_ns = 0, total_ns = 0, max_ns = 0;
+};
+
+/// What a topic looks like from outside.
+struct Topic {
+  std::string name;
+  ImageSpec spec;
+  std::vector<Handle> parents;
+  int stage = 0;
+};
+
+/// The paper's IPLDriver. Build: add() each stage, then connect(). Run: step() until it says end.
+class Driver {
+ public:
+  /// `epoch` marks this start of the daemon.
+  explicit Driver(uint64_t epoch);
+  ~Driver();
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+
+  /// Adds a stage that makes the topics `names` of `inputs`, which must have been added before: the order is the schedule.
+  /// Throws FormatError naming the stage, its inputs, what was found and what was needed.
+  std::vector<Handle> add(std::vector<std::string> names, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs = {},
+                          Need need = Need::on_demand);
+  /// The same for a stage that makes one topic.
+  Handle add(const std::string& name, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs = {}, Need need = Need::on_demand);
+
+  /// Gives each topic, and the driver's own `catalogue` and `heartbeat`, a way out. After this nothing allocates.
+  void connect(const OutletFactory& outlet);
+  /// Every stage runs in every step, watched or not.
+  void need_all();
+
+  /// One frame through the tree. invalid: the source had no frame, the step was blind.
+  Outcome step() noexcept;
+  /// Publishes heartbeat and catalogue when they are due. Call between steps, and at least five times a second while waiting.
+  void beat() noexcept;
+
+  const std::vector<Topic>& topics() const { return topics_; }
+  /// Topics of the tree and the driver's own, with their sizes: what shared memory has to hold.
+  std::vector<Topic> published_topics() const;
+  using Viewer = std::function<void(const Topic&, const Image&)>;
+  /// Called for every image just before it is published. For --dump; not in the rover's loop.
+  void set_viewer(Viewer viewer) { viewer_ = std::move(viewer); }
+
+  StageTiming timing(Handle topic) const;
+  uint64_t steps() const { return steps_; }
+  uint64_t blind_steps() const { return blind_steps_; }
+  uint64_t drops() const;
+
+  /// The tree as a Graphviz graph.
+  void write_dot(std::ostream& out) const;
+  /// IPL's profile: what each stage cost, dearest first.
+  void write_profile(std::ostream& out) const;
+
+ private:
+  struct Stage;
+  struct Slot;
+  void choose_stages() noexcept;
+  Outcome run(Stage& stage) noexcept;
+  void publish(Slot& slot) noexcept;
+  void publish_after(int stage) noexcept;
+  void fill_catalogue(Catalogue& catalogue) const noexcept;
+  std::string label(const Stage& stage) const;
+
+  uint64_t epoch_;
+  std::vector<Topic> topics_;
+  std::vector<Slot> slots_;  // one for each topic
+  std::vector<Stage> stages_;
+  std::unique_ptr<Outlet> catalogue_, heartbeat_;
+  Viewer viewer_;
+  bool need_all_ = false;
+  uint64_t steps_ = 0, blind_steps_ = 0;
+  int64_t step_total_ns_ = 0, first_step_ns_ = 0, last_step_ns_ = 0, last_beat_ns_ = 0, last_catalogue_ns_ = 0;
+};
+
+}  // namespace vdisp

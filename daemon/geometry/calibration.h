@@ -1,0 +1,43 @@
+// calibration.h: what a calibration file says of a stereo camera, whatever its format.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "daemon/geometry/frames.h"
+
+namespace vdisp {
+
+/// One camera as it is: pinhole with distortion, and how rectification turns it.
+struct RawCamera {
+  std::array<double, 9> k{};            ///< row-major 3x3, px
+  std::array<double, 8> distortion{};   ///< OpenCV order: k1 k2 p1 p2 k3 k4 k5 k6
+  std::array<double, 9> rectification{};  ///< row-major 3x3: raw camera frame to rectified camera frame
+  std::array<double, 12> projection{};  ///< row-major 3x4 of the rectified view, px and px*m
+};
+
+struct Calibration {
+  int width = 0, height = 0;    ///< of the images it was made for; 0: the file does not say
+  StereoView view;              ///< the rectified pair
+  std::optional<std::array<RawCamera, 2>> raw;  ///< left, right; absent: images are taken as rectified already
+  std::string format;           ///< what the file was: "SVS 3.2", "OpenCV", ...
+  uint64_t hash = 0;            ///< of all numbers above; equal calibrations have equal hashes
+};
+
+/// One line: file, what was found, what would be right.
+class CalibrationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a calibration of any known format, told by its content: OpenCV YAML/XML with P1, P2 (rectified) or K, D, R, T;
+/// SVS .ini from v2.1 on; a EuRoC folder or one of its sensor.yaml pair. Throws CalibrationError for a file that is missing,
+/// unreadable, of no known format, incomplete or contradictory (f <= 0, no baseline, right camera left of the left one).
+Calibration read_calibration(const std::filesystem::path& path);
+
+}  // namespace vdisp

@@ -1,0 +1,39 @@
+// source.h: what the tree and the loop need to know of a stereo source besides its images; open_source() picks one.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "config/config.h"
+#include "daemon/core/driver.h"
+#include "daemon/geometry/calibration.h"
+
+namespace vdisp {
+
+/// Makes two images, left and right, gray8 of one size, raw as the cameras see them.
+class StereoSource : public ImageSource {
+ public:
+  /// Empty: images are taken as rectified and there are no metres.
+  virtual std::optional<Calibration> calibration() const = 0;
+  /// From frame to frame; 0: as fast as possible.
+  virtual int64_t period_ns() const = 0;
+  /// Where the last pair came from, left and right, for the dump; empty where images have no names.
+  virtual std::pair<std::string, std::string> files() const { return {}; }
+  /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
+  virtual void add_truth(Driver&, Handle) {}
+};
+
+/// exit_code: 66 no input, 69 no camera, 78 wrong configuration or calibration. One line: what was found, where, what would be right.
+class SourceError : public std::runtime_error {
+ public:
+  SourceError(int exit_code, const std::string& what) : std::runtime_error(what), exit_code(exit_code) {}
+  int exit_code;
+};
+
+/// The source that [image source] source names. Throws SourceError or CalibrationError.
+std::unique_ptr<StereoSource> open_source(const Config& config);
+
+}  // namespace vdisp

@@ -1,0 +1,97 @@
+// image.cpp: names of pixel kinds and reasons, and laying an image into memory.
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/image.h"
+
+#include <cstring>
+
+namespace vdisp {
+
+std::string_view name(Reason reason) {
+  switch (reason) {
+    case Reason::none: return "none";
+    case Reason::no_frame: return "no_frame";
+    case Reason::bad_pair: return "bad_pair";
+    case Reason::no_calibration: return "no_calibration";
+    case Reason::few_points: return "few_points";
+    case Reason::no_floor_line: return "no_floor_line";
+    case Reason::floor_unlikely: return "floor_unlikely";
+    case Reason::no_pitch: return "no_pitch";
+    case Reason::count: break;
+  }
+  return "unknown";
+}
+
+std::string_view describe(Reason reason) {
+  switch (reason) {
+    case Reason::none: return "none";
+    case Reason::no_frame: return "the source delivered no frame in time";
+    case Reason::bad_pair: return "the pair is incomplete, unreadable or of the wrong size";
+    case Reason::no_calibration: return "no calibration";
+    case Reason::few_points: return "too few points in the v-disparity to look for a floor (minRansac)";
+    case Reason::no_floor_line: return "no line in the v-disparity between anglefloorMin and anglefloorMax";
+    case Reason::floor_unlikely: return "the line found cannot be a floor in front of this camera";
+    case Reason::no_pitch: return "angRot = auto, and no pitch was measured";
+    case Reason::count: break;
+  }
+  return "a reason this version does not know";
+}
+
+std::string_view name(Pixel pixel) {
+  switch (pixel) {
+    case Pixel::none: return "none";
+    case Pixel::gray8: return "gray8";
+    case Pixel::mask8: return "mask8";
+    case Pixel::rgb8: return "rgb8";
+    case Pixel::disparity16: return "disparity16";
+    case Pixel::count16: return "count16";
+    case Pixel::height16: return "height16";
+    case Pixel::int8: return "int8";
+    case Pixel::line16: return "line16";
+    case Pixel::record: return "record";
+  }
+  return "unknown";
+}
+
+std::string_view name(Rejected why) {
+  switch (why) {
+    case Rejected::low_texture: return "low texture";
+    case Rejected::not_unique: return "not unique";
+    case Rejected::left_right: return "left/right";
+    case Rejected::speckle: return "speckle";
+    case Rejected::outside: return "outside";
+    case Rejected::matcher: return "refused by the matcher";
+  }
+  return "unknown";
+}
+
+uint32_t pixel_bytes(Pixel pixel) {
+  switch (pixel) {
+    case Pixel::rgb8: return 3;
+    case Pixel::disparity16:
+    case Pixel::count16:
+    case Pixel::height16:
+    case Pixel::line16: return 2;
+    default: return 1;
+  }
+}
+
+Image* Image::make(void* memory, const ImageSpec& spec) {
+  std::memset(memory, 0, sizeof(Image));
+  auto* image = static_cast<Image*>(memory);
+  image->magic = magic_value;
+  image->version = version_value;
+  image->spec = spec;
+  return image;
+}
+
+void Image::describe_like(const Image& other) {
+  flags = other.flags;
+  sequence = other.sequence;
+  epoch = other.epoch;
+  timestamp_ns = other.timestamp_ns;
+  config_generation = other.config_generation;
+  calibration_hash = other.calibration_hash;
+  camera = other.camera;
+}
+
+}  // namespace vdisp

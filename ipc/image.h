@@ -1,0 +1,154 @@
+// image.h: the one image of vdisp: a 128-byte header with its rows behind it, the same bytes in the daemon, on the wire and in files.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace vdisp {
+
+/// What one pixel is. Pixels are native-endian; the unit is the type's.
+enum class Pixel : uint16_t {
+  none = 0,
+  gray8,        ///< uint8_t, brightness
+  mask8,        ///< uint8_t, 0 or 255
+  rgb8,         ///< 3 uint8_t
+  disparity16,  ///< int16_t, 1/16 pixel; <= rejected_base: no disparity, and why (Rejected)
+  count16,      ///< int16_t, a count, saturated at 32767 (paper 3.11)
+  height16,     ///< int16_t, mm above the local floor; height_unknown where there is none
+  int8,         ///< int8_t, occupancy: -1 unknown, 0..100
+  line16,       ///< int16_t, one row: image row per column of the v-disparity, not clipped; line_none where there is none
+  record,       ///< one struct of ipc/records.h
+};
+
+/// Why a pixel has no disparity. The pixel's value is rejected_base - code.
+enum class Rejected : uint8_t {
+  low_texture = 1,  ///< too little texture in the window (SVS: confidence, `thresh`)
+  not_unique,       ///< a second disparity matches as well (`unique`)
+  left_right,       ///< the right image's match points elsewhere
+  speckle,          ///< part of too small an area (`SpeckleSize`, `SpeckleDiff`)
+  outside,          ///< the window or the search leaves the image
+  matcher,          ///< refused by the matcher, which does not say by which of its filters
+};
+inline constexpr int16_t rejected_base = -32000;
+constexpr int16_t rejected(Rejected why) { return static_cast<int16_t>(rejected_base - static_cast<int16_t>(why)); }
+/// The code of a rejected pixel, 0 for a pixel that has a disparity.
+constexpr uint8_t rejected_code(int16_t pixel) { return pixel < rejected_base ? static_cast<uint8_t>(rejected_base - pixel) : uint8_t{0}; }
+
+inline constexpr int16_t line_none = INT16_MIN;
+inline constexpr int16_t height_unknown = INT16_MIN;
+
+enum class ImageState : uint32_t { valid = 0, blind = 1 };
+
+/// Why a stage is blind.
+enum class Reason : uint32_t {
+  none = 0,
+  no_frame,        ///< the source delivered nothing in time
+  bad_pair,        ///< a pair was incomplete, unreadable or of the wrong size
+  no_calibration,  ///< needs metres, and there is no calibration
+  few_points,      ///< fewer v-disparity points than [Floor] minRansac
+  no_floor_line,   ///< no line between anglefloorMin and anglefloorMax
+  floor_unlikely,  ///< a line was found that no floor in front of this camera can be
+  no_pitch,        ///< angRot = auto, and no pitch was measured
+  count            ///< number of reasons, not one of them
+};
+/// One word for files, one phrase for people.
+std::string_view name(Reason reason);
+std::string_view describe(Reason reason);
+std::string_view name(Pixel pixel);
+std::string_view name(Rejected why);
+/// Bytes of one pixel; 1 for records.
+uint32_t pixel_bytes(Pixel pixel);
+
+enum ImageFlag : uint32_t {
+  flag_synthetic = 1,  ///< made from the simulator or from files, not from a camera
+  flag_held = 2,       ///< predicted, not measured
+  flag_memory = 4,     ///< holds what earlier frames saw
+};
+
+struct ImageSpec {
+  Pixel pixel = Pixel::none;
+  uint16_t record = 0;  ///< RecordType where pixel is record, else 0
+  uint16_t width = 0;   ///< pixels; bytes of the struct for a record
+  uint16_t height = 0;
+
+  /// Bytes from one row to the next: rows start on 64-byte borders.
+  uint32_t stride() const { return (width * pixel_bytes(pixel) + 63u) & ~63u; }
+  /// Header and rows.
+  uint32_t bytes() const;
+  bool operator==(const ImageSpec&) const = default;
+};
+
+/// A rectified view: pixels and metres. f = 0: no calibration.
+struct CameraGeometry {
+  float f, cx, cy;        ///< px
+  float baseline;         ///< m
+  float cx_offset;        ///< cx left - cx right, px: true disparity d' = d - cx_offset
+  int32_t min_disparity;  ///< px, where the search starts
+  int32_t disparities;    ///< px, how far it goes
+  uint32_t unused[3];
+};
+
+/// A grid on the ground. Row 0 is farthest; a point (x right, z ahead) lies in row origin_row - 1 - floor(z / cell) and
+/// column floor(x / cell + origin_column).
+struct GridGeometry {
+  float cell;                        ///< m
+  float origin_row, origin_column;   ///< cells, where the camera stands
+  float view_left, view_right;       ///< x / z of the left and right border of the view
+  uint32_t min_count;                ///< a cell with this count or more is an obstacle
+  uint32_t frame;                    ///< 0: the camera's horizontal frame h
+  float pose_x, pose_y, pose_yaw;    ///< of the camera in the rover frame r (m, m, rad)
+};
+
+/// Never copied, no pointers inside; rows follow the header in the same block.
+struct alignas(64) Image {
+  static constexpr uint32_t magic_value = 0x50534456;  // "VDSP"
+  static constexpr uint32_t version_value = 1;
+
+  uint32_t magic, version;
+  ImageSpec spec;
+  ImageState state;
+  Reason reason;
+  uint32_t flags;           ///< ImageFlag
+  uint32_t unused;
+  uint64_t sequence;        ///< step of the daemon it was made in, from 0
+  uint64_t epoch;           ///< start of this daemon: sequences restart, epochs do not
+  int64_t timestamp_ns;     ///< middle of the exposure, CLOCK_MONOTONIC; recording time for files
+  int64_t ready_ns;         ///< when the stage finished, CLOCK_MONOTONIC
+  uint64_t config_generation;
+  uint64_t calibration_hash;
+  union {
+    CameraGeometry camera;
+    GridGeometry grid;
+  };
+  uint64_t unused_end;
+
+  /// Lays an image with a cleared header into 64-aligned memory of at least spec.bytes(); the rows stay as they are.
+  static Image* make(void* memory, const ImageSpec& spec);
+  /// Takes over everything that follows the frame (sequence, epoch, times, flags, geometry, hashes), not spec, state or rows.
+  void describe_like(const Image& other);
+
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
+
+  bool valid() const { return state == ImageState::valid; }
+  void set_blind(Reason why) { state = ImageState::blind; reason = why; }
+
+  template <class T> T* row(int y) {
+    return reinterpret_cast<T*>(reinterpret_cast<std::byte*>(this + 1) + static_cast<size_t>(y) * spec.stride());
+  }
+  template <class T> const T* row(int y) const {
+    return reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(this + 1) + static_cast<size_t>(y) * spec.stride());
+  }
+
+ private:
+  Image() = default;
+};
+
+static_assert(sizeof(CameraGeometry) == 40 && sizeof(GridGeometry) == 40);
+static_assert(sizeof(ImageSpec) == 8 && sizeof(Image) == 128 && alignof(Image) == 64);
+
+inline uint32_t ImageSpec::bytes() const { return static_cast<uint32_t>(sizeof(Image)) + stride() * height; }
+
+}  // namespace vdisp

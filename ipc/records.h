@@ -1,0 +1,122 @@
+// records.h: results that are no picture: fixed structs that travel as images of kind record.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ipc/image.h"
+
+namespace vdisp {
+
+enum class RecordType : uint16_t { none = 0, floor_model = 1, catalogue = 2, heartbeat = 3, truth_scene = 4 };
+
+/// First member of each record: what it is, so that a reader can refuse what it does not know.
+struct RecordHeader {
+  RecordType type;
+  uint16_t version;
+  uint32_t bytes;
+};
+
+enum class FloorState : uint32_t { lost = 0, found = 1, held = 2 };
+enum class FloorKind : uint32_t { line = 1 };
+
+/// The floor of one frame: row v = a * column + b in the v-disparity (column = disparity in 1/16 px - 16 * min_disparity).
+struct FloorModel {
+  static constexpr RecordType type = RecordType::floor_model;
+  static constexpr uint16_t version = 1;
+  RecordHeader header;
+  FloorState state;
+  FloorKind model;
+  double a;          ///< rows per column; 0 when lost
+  double b;          ///< row at column 0
+  double pitch_rad;  ///< positive: the camera looks down; NaN without calibration or floor
+  double roll_rad;   ///< positive: right side low; NaN where the model does not measure it
+  double height_m;   ///< of the camera over the floor; NaN without calibration or floor
+  double confidence; ///< 0..1: share of the votes in the searched part of the v-disparity that lie on the floor
+  Reason reason;     ///< why lost, or what could not be measured
+  uint32_t points;   ///< cells of the v-disparity that lie on the line
+  uint32_t mounting_differs;  ///< 1: pitch or height lie outside the tolerances of [mounting]
+  uint32_t unused;
+};
+
+/// One stage in the catalogue. Times in ns of the stage that made it; several topics of one stage share them.
+struct CatalogueEntry {
+  char name[48];
+  ImageSpec spec;
+  int16_t parents[4];  ///< indices into the catalogue, -1: none
+  uint32_t stage;      ///< which stage of the tree made it: entries of one stage have the same number
+  uint32_t watched;    ///< 1: a reader is attached
+  uint64_t runs, invalid, drops;
+  int64_t last_ns, mean_ns, max_ns;
+};
+
+/// Published once a second as topic `catalogue`.
+struct Catalogue {
+  static constexpr RecordType type = RecordType::catalogue;
+  static constexpr uint16_t version = 1;
+  static constexpr uint32_t capacity = 64;
+  RecordHeader header;
+  uint64_t steps, blind_steps;
+  int64_t period_ns;     ///< mean time from step to step
+  int64_t step_mean_ns;  ///< mean time inside a step
+  uint32_t count;
+  uint32_t unused;
+  CatalogueEntry entries[capacity];
+};
+
+/// Published several times a second as topic `heartbeat`, also while the daemon waits for a frame.
+struct Heartbeat {
+  static constexpr RecordType type = RecordType::heartbeat;
+  static constexpr uint16_t version = 1;
+  RecordHeader header;
+  uint64_t steps;
+  int64_t now_ns;     ///< CLOCK_MONOTONIC
+  int64_t period_ns;  ///< mean time from step to step, 0 before the second
+};
+
+enum class ObjectKind : uint32_t { box = 1, post, wall, rock };
+
+/// One obstacle of the simulator, in the camera's true horizontal frame h at the moment of exposure.
+struct TruthObject {
+  ObjectKind kind;
+  uint32_t textured;      ///< 1: enough texture to be matched
+  float x, z;             ///< m, centre of the footprint
+  float width, depth;     ///< m, along its own axes
+  float height;           ///< m above the ground at its place
+  float yaw;              ///< rad about the vertical
+};
+
+/// The simulator's truth for one frame, topic `truth/scene`. Objects are numbered from 1 as in `truth/object`.
+struct TruthScene {
+  static constexpr RecordType type = RecordType::truth_scene;
+  static constexpr uint16_t version = 1;
+  static constexpr uint32_t capacity = 32;
+  RecordHeader header;
+  double pitch_rad, roll_rad, height_m;  ///< of the camera over the ground below it
+  double slope_rad;                      ///< of the ground ahead, positive: rising
+  uint32_t count;
+  uint32_t unused;
+  TruthObject objects[capacity];
+};
+
+static_assert(sizeof(FloorModel) == 80 && sizeof(CatalogueEntry) == 120 && sizeof(Heartbeat) == 32);
+
+/// The spec of an image that carries record R.
+template <class R> constexpr ImageSpec record_spec() {
+  return {Pixel::record, static_cast<uint16_t>(R::type), static_cast<uint16_t>(sizeof(R)), 1};
+}
+
+/// The record in an image made with record_spec<R>(); clears it and fills its header.
+template <class R> R& make_record(Image& image) {
+  R* record = image.row<R>(0);
+  *record = R{};
+  record->header = {R::type, R::version, static_cast<uint32_t>(sizeof(R))};
+  return *record;
+}
+
+/// The record in an image, or null where the image holds something else.
+template <class R> const R* record_of(const Image& image) {
+  if (image.spec != record_spec<R>()) return nullptr;
+  const R* record = image.row<R>(0);
+  return record->header.type == R::type && record->header.version == R::version ? record : nullptr;
+}
+
+}  // namespace vdisp
