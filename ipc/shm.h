@@ -33,7 +33,7 @@ void print_pools(std::ostream& out, const TopicList& topics);
 /// exit_code: 69 another daemon or RouDi, 71 no shared memory, 77 permission, 78 the tree does not fit [ipc] memory. One line.
 class ShmError : public std::runtime_error {
  public:
-  ShmError(int exit_code, const std::string& what) : std::runtime_error(what), exit_code(exit_code) {}
+  ShmError(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
   int exit_code;
 };
 

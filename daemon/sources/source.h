@@ -29,7 +29,7 @@ class StereoSource : public ImageSource {
 /// exit_code: 66 no input, 69 no camera, 78 wrong configuration or calibration. One line: what was found, where, what would be right.
 class SourceError : public std::runtime_error {
  public:
-  SourceError(int exit_code, const std::string& what) : std::runtime_error(what), exit_code(exit_code) {}
+  SourceError(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
   int exit_code;
 };
 
