@@ -14,7 +14,6 @@ std::string_view name(Reason reason) {
     case Reason::no_calibration: return "no_calibration";
     case Reason::few_points: return "few_points";
     case Reason::no_floor_line: return "no_floor_line";
-    case Reason::floor_unlikely: return "floor_unlikely";
     case Reason::no_pitch: return "no_pitch";
     case Reason::count: break;
   }
@@ -29,7 +28,6 @@ std::string_view describe(Reason reason) {
     case Reason::no_calibration: return "no calibration";
     case Reason::few_points: return "too few points in the v-disparity to look for a floor (minRansac)";
     case Reason::no_floor_line: return "no line in the v-disparity between anglefloorMin and anglefloorMax";
-    case Reason::floor_unlikely: return "the line found cannot be a floor in front of this camera";
     case Reason::no_pitch: return "angRot = auto, and no pitch was measured";
     case Reason::count: break;
   }

@@ -49,7 +49,6 @@ enum class Reason : uint32_t {
   no_calibration,  ///< needs metres, and there is no calibration
   few_points,      ///< fewer v-disparity points than [Floor] minRansac
   no_floor_line,   ///< no line between anglefloorMin and anglefloorMax
-  floor_unlikely,  ///< a line was found that no floor in front of this camera can be
   no_pitch,        ///< angRot = auto, and no pitch was measured
   count            ///< number of reasons, not one of them
 };

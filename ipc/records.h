@@ -18,21 +18,21 @@ struct RecordHeader {
 enum class FloorState : uint32_t { lost = 0, found = 1, held = 2 };
 enum class FloorKind : uint32_t { line = 1 };
 
-/// The floor of one frame: row v = a * column + b in the v-disparity (column = disparity in 1/16 px - 16 * min_disparity).
+/// The floor of one frame: row v = 16 a d' + b, where d' is the true disparity in px (0 at infinity, CameraGeometry::cx_offset).
 struct FloorModel {
   static constexpr RecordType type = RecordType::floor_model;
   static constexpr uint16_t version = 1;
   RecordHeader header;
   FloorState state;
   FloorKind model;
-  double a;          ///< rows per column; 0 when lost
-  double b;          ///< row at column 0
+  double a;          ///< rows per column of the v-disparity, that is per 1/16 px; 0 when lost
+  double b;          ///< row at d' = 0
   double pitch_rad;  ///< positive: the camera looks down; NaN without calibration or floor
   double roll_rad;   ///< positive: right side low; NaN where the model does not measure it
   double height_m;   ///< of the camera over the floor; NaN without calibration or floor
-  double confidence; ///< 0..1: share of the votes in the searched part of the v-disparity that lie on the floor
+  double confidence; ///< 0..1: share of the votes of all points of the v-disparity that lie on the line
   Reason reason;     ///< why lost, or what could not be measured
-  uint32_t points;   ///< cells of the v-disparity that lie on the line
+  uint32_t points;   ///< points of the v-disparity that lie on the line; how many there were, when lost
   uint32_t mounting_differs;  ///< 1: pitch or height lie outside the tolerances of [mounting]
   uint32_t unused;
 };

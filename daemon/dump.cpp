@@ -1,0 +1,43 @@
+// dump.cpp: one FrameDump after the other.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/dump.h"
+
+#include <sysexits.h>
+
+namespace vdisp {
+namespace fs = std::filesystem;
+
+Dump::Dump(fs::path folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw WriteError(EX_CANTCREAT, folder_.string() + ": cannot be created: " + error.message());
+  if (fs::exists(folder_ / frame_name(0)))
+    throw WriteError(EX_CANTCREAT, folder_.string() + ": holds the frames of another run already; name an empty folder");
+}
+
+void Dump::see(const Topic& topic, const Image& image) noexcept {
+  if (failed_) return;
+  try {
+    if (!current_) current_.emplace(folder_ / frame_name(frame_));
+    current_->add(topic.name, image);
+  } catch (const WriteError& error) {
+    failed_ = error;
+  } catch (const std::exception& error) {
+    failed_.emplace(EX_IOERR, folder_.string() + ": " + error.what());
+  }
+}
+
+void Dump::finish_frame(const Driver& driver, const std::string& left, const std::string& right) {
+  if (failed_) {
+    current_.reset();
+    throw WriteError(*failed_);
+  }
+  if (!current_) return;
+  for (size_t i = 0; i < driver.topics().size(); ++i)
+    current_->add_timing(driver.topics()[i].name, driver.timing({static_cast<int>(i)}).last_ns);
+  current_->finish(left, right);
+  current_.reset();
+  ++frame_;
+}
+
+}  // namespace vdisp

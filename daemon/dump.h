@@ -1,0 +1,31 @@
+// dump.h: `--dump DIR`: every stage of every frame as files, for evaluation.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "daemon/core/driver.h"
+#include "ipc/dump.h"
+
+namespace vdisp {
+
+/// Throws WriteError. The images come from within a step, where nothing may be thrown: a write that fails there is kept, and
+/// thrown by finish_frame().
+class Dump {
+ public:
+  /// Creates DIR; one that holds frames already is refused, so that two runs are never mixed.
+  explicit Dump(std::filesystem::path folder);
+  void see(const Topic& topic, const Image& image) noexcept;
+  /// After each step; `left`, `right`: files of the pair.
+  void finish_frame(const Driver& driver, const std::string& left, const std::string& right);
+
+ private:
+  std::filesystem::path folder_;
+  uint64_t frame_ = 0;
+  std::optional<FrameDump> current_;
+  std::optional<WriteError> failed_;
+};
+
+}  // namespace vdisp

@@ -1,0 +1,52 @@
+// edges.cpp: "floor lost", "floor found after 1.2 s".
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/log/edges.h"
+
+#include <cmath>
+
+#include "daemon/log/log.h"
+
+namespace vdisp::log {
+namespace {
+
+constexpr int64_t second = 1'000'000'000;
+constexpr int lasting_frames = 15;  // a single odd floor is no reason to doubt the mounting
+
+}  // namespace
+
+void Edges::edge(Subject& subject, const char* what, const Image& image) {
+  if (subject.lost != !image.valid()) {
+    subject.lost = !image.valid();
+    if (subject.lost) subject.since_ns = image.ready_ns;
+    ++subject.untold;
+  }
+  if (subject.lost == subject.told_lost || image.ready_ns - subject.told_ns < second) return;
+  if (subject.lost) {
+    warn("{} lost at frame {}: {} ({} changes since the last message)", what, image.sequence, describe(image.reason), subject.untold);
+  } else {
+    info("{} found after {:.1f} s, at frame {}", what, static_cast<double>(image.ready_ns - subject.since_ns) * 1e-9, image.sequence);
+  }
+  subject.told_lost = subject.lost;
+  subject.told_ns = image.ready_ns;
+  subject.untold = 0;
+}
+
+void Edges::compare(const FloorModel& model, const Image& image) {
+  const bool differs = model.mounting_differs != 0;
+  frames_otherwise_ = differs == differs_ ? 0 : frames_otherwise_ + 1;
+  if (frames_otherwise_ < lasting_frames) return;
+  differs_ = differs;
+  warn("the floor {}: measured height {:.2f} m and pitch {:.3f} rad, configured {:.2f} m and {:.3f} rad (frame {})",
+       differs ? "does not agree with [mounting]" : "agrees with [mounting] again", model.height_m, model.pitch_rad,
+       config_.mounting.height, config_.expected_pitch(), image.sequence);
+}
+
+void Edges::see(const Topic& topic, const Image& image) {
+  if (topic.name == "camera/left") edge(camera_, "frames", image);
+  if (topic.name != "floor_model" || camera_.lost) return;
+  edge(floor_, "floor", image);
+  const FloorModel* model = record_of<FloorModel>(image);
+  if (model && image.valid()) compare(*model, image);
+}
+
+}  // namespace vdisp::log

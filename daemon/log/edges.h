@@ -1,0 +1,34 @@
+// edges.h: says once when something is lost and once when it is back, never once a frame.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "config/config.h"
+#include "daemon/core/driver.h"
+
+namespace vdisp::log {
+
+/// Looks at the images of a step before they are published: camera, floor, mounting. What changes faster than once a second is
+/// counted and told with the next line.
+class Edges {
+ public:
+  explicit Edges(const Config& config) : config_(config) {}
+  void see(const Topic& topic, const Image& image);
+
+ private:
+  struct Subject {
+    bool lost = false, told_lost = false;
+    int64_t since_ns = 0, told_ns = INT64_MIN / 2;
+    int untold = 0;
+  };
+  void edge(Subject& subject, const char* what, const Image& image);
+  void compare(const FloorModel& model, const Image& image);
+
+  const Config& config_;
+  Subject camera_, floor_;
+  bool differs_ = false;
+  int frames_otherwise_ = 0;  // in a row that contradict differs_
+};
+
+}  // namespace vdisp::log

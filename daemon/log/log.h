@@ -1,0 +1,21 @@
+// log.h: one line for one event, on stderr: through a bounded ring and a thread of its own, so that the loop never waits for it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <spdlog/spdlog.h>
+
+namespace vdisp::log {
+
+/// Starts the thread. `level`: [main] debug, 0 errors to 3 everything. Under systemd lines carry journald's priorities.
+/// While the ring is full the oldest lines are given up.
+void start(int level);
+/// Writes what is waiting and ends the thread. Before start() and after this nothing is logged.
+void stop();
+
+using spdlog::debug;
+using spdlog::error;
+using spdlog::info;
+using spdlog::trace;
+using spdlog::warn;
+
+}  // namespace vdisp::log

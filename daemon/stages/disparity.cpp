@@ -1,0 +1,122 @@
+// disparity.cpp: OpenCV's matchers behind SVS's parameters, and the reasons of the rejected pixels.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/disparity.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+namespace vdisp {
+namespace {
+
+constexpr int sobel_cap = 31;  // StereoBM's own: contrast above it counts as this much
+
+cv::Mat mat(const Image& image, int type) {
+  return {image.spec.height, image.spec.width, type, const_cast<uint8_t*>(image.row<uint8_t>(0)), image.spec.stride()};
+}
+
+}  // namespace
+
+Disparity::Disparity(const Config& config) : config_(config) {
+  if (config.image_source.matcher == "opencv") {
+    block_ = cv::StereoBM::create();
+    block_->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);
+    block_->setPreFilterCap(sobel_cap);
+    block_->setDisp12MaxDiff(1);
+  } else {
+    global_ = cv::StereoSGBM::create();
+    global_->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
+    global_->setPreFilterCap(63);
+    global_->setDisp12MaxDiff(1);
+  }
+  set_parameters();
+}
+
+void Disparity::set_parameters() {
+  const auto& p = config_.image_source;
+  if (block_) {
+    block_->setNumDisparities(p.ndisp);
+    block_->setMinDisparity(p.minDisparity);
+    block_->setBlockSize(p.corrsize);
+    block_->setTextureThreshold(p.thresh * p.corrsize * p.corrsize / 8);
+    block_->setUniquenessRatio(p.unique);
+  } else {
+    const int block = (p.corrsize / 2) | 1;
+    global_->setNumDisparities(p.ndisp);
+    global_->setMinDisparity(p.minDisparity);
+    global_->setBlockSize(block);
+    global_->setP1(8 * block * block);
+    global_->setP2(32 * block * block);
+    global_->setUniquenessRatio(p.unique);
+  }
+}
+
+ImageSpec Disparity::accept(const ImageSpec& left, const ImageSpec& right) {
+  require(left, Pixel::gray8, "the left image");
+  require(right, Pixel::gray8, "the right image");
+  require_same_size(left, right);
+  const auto& p = config_.image_source;
+  const int search = p.ndisp + std::max(p.minDisparity, 0) + p.corrsize;
+  if (left.width <= search)
+    throw FormatError("the images are " + std::to_string(left.width) + " columns wide, ndisp + minDisparity + corrsize = " +
+                      std::to_string(search) + " leaves none to search; a smaller ndisp would fit");
+  if (left.height <= p.corrsize)
+    throw FormatError("the images have " + std::to_string(left.height) + " rows, the window corrsize needs more than " +
+                      std::to_string(p.corrsize));
+  return {Pixel::disparity16, 0, left.width, left.height};
+}
+
+bool Disparity::combine(const Image& left, const Image& right, Image& out) noexcept {
+  const auto& p = config_.image_source;
+  set_parameters();
+  cv::Mat result = mat(out, CV_16S);
+  const cv::Mat left_view = mat(left, CV_8U), right_view = mat(right, CV_8U);
+  if (block_) {
+    block_->compute(left_view, right_view, result);
+    measure_texture(left_view);
+  } else {
+    global_->compute(left_view, right_view, result);
+  }
+  result.copyTo(matched_);
+  if (p.SpeckleSize > 0) cv::filterSpeckles(result, (p.minDisparity - 1) * 16, p.SpeckleSize, p.SpeckleDiff * 4, speckles_);
+  name_reasons(result);
+  out.camera.min_disparity = p.minDisparity;
+  out.camera.disparities = p.ndisp;
+  return true;
+}
+
+/// The sum that StereoBM compares with its textureThreshold.
+void Disparity::measure_texture(const cv::Mat& left) {
+  cv::Sobel(left, gradient_, CV_16S, 1, 0, 3);
+  cv::convertScaleAbs(gradient_, gradient_);
+  cv::min(gradient_, sobel_cap, gradient_);
+  const int window = config_.image_source.corrsize;
+  cv::boxFilter(gradient_, texture_, CV_32S, {window, window}, {-1, -1}, false);
+}
+
+void Disparity::name_reasons(cv::Mat& disparity) const {
+  const auto& p = config_.image_source;
+  const int16_t none = static_cast<int16_t>((p.minDisparity - 1) * 16);
+  const int texture_threshold = block_ ? block_->getTextureThreshold() : 0;
+  // What no window or search can reach. Semi-global matching has no window to speak of, but the same search.
+  const int border = block_ ? p.corrsize / 2 : 0;
+  const int left = border + std::max(p.minDisparity + p.ndisp - 1, 0);
+  const int right = disparity.cols - border + std::min(p.minDisparity, 0);
+  for (int v = 0; v < disparity.rows; ++v) {
+    int16_t* d = disparity.ptr<int16_t>(v);
+    const int16_t* before = matched_.ptr<int16_t>(v);
+    const int32_t* texture = block_ ? texture_.ptr<int32_t>(v) : nullptr;
+    const bool row_outside = v < border || v >= disparity.rows - border;
+    for (int u = 0; u < disparity.cols; ++u) {
+      if (d[u] > none) continue;
+      if (before[u] > none) {
+        d[u] = rejected(Rejected::speckle);
+      } else if (row_outside || u < left || u >= right) {
+        d[u] = rejected(Rejected::outside);
+      } else {
+        d[u] = rejected(texture && texture[u] < texture_threshold ? Rejected::low_texture : Rejected::matcher);
+      }
+    }
+  }
+}
+
+}  // namespace vdisp

@@ -1,0 +1,34 @@
+// limit.cpp: the floor line, raised by max_height.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/limit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/stages/projection.h"
+
+namespace vdisp {
+
+ImageSpec Limit::accept(const ImageSpec& floor, const ImageSpec& model) {
+  require(floor, Pixel::line16, "the floor");
+  require(model, Pixel::record, "the floor model");
+  return floor;
+}
+
+bool Limit::combine(const Image& floor, const Image& model_image, Image& out) noexcept {
+  const FloorModel& model = *model_image.row<FloorModel>(0);
+  const double pitch = pitch_in_use(config_, model);
+  out.reason = no_metres(floor, pitch);
+  if (out.reason != Reason::none) return false;
+  const double rise = config_.limit.max_height / (static_cast<double>(floor.camera.baseline) * std::cos(pitch));
+  int16_t* rows = out.row<int16_t>(0);
+  for (int column = 0; column < out.spec.width; ++column) {
+    const double d = true_disparity(floor.camera, column);
+    // The largest whole row that is higher: of the exact line, not of the rows of `floor`, which are rounded.
+    const double row = std::ceil(16 * model.a * d + model.b - rise * d) - 1;
+    rows[column] = d > 0 ? static_cast<int16_t>(std::clamp(row, -32000.0, 32000.0)) : line_none;
+  }
+  return true;
+}
+
+}  // namespace vdisp

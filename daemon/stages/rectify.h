@@ -1,0 +1,32 @@
+// rectify.h: stages `left` and `right`: one raw view to its rectified view, and from here on images know their metres.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "config/config.h"
+#include "daemon/core/processor.h"
+#include "daemon/geometry/calibration.h"
+
+namespace vdisp {
+
+enum class Side { left = 0, right = 1 };
+
+/// gray8 to gray8. Without calibration, or with one of rectified images, the view is passed on as it is.
+class Rectify final : public ImageFilter {
+ public:
+  /// Throws FormatError (in accept) where calibration, configuration and images are of different sizes.
+  Rectify(Side side, std::optional<Calibration> calibration, const Config& config);
+  ImageSpec accept(const ImageSpec& in) override;
+  bool filter(const Image& in, Image& out) noexcept override;
+
+ private:
+  Side side_;
+  std::optional<Calibration> calibration_;
+  const Config& config_;
+  CameraGeometry geometry_{};
+  cv::Mat whole_, fraction_;  // where each pixel comes from, 16SC2 and its 5-bit fractions
+};
+
+}  // namespace vdisp

@@ -1,0 +1,42 @@
+// tree.cpp: THE picture: two raw images to the map (paper figure 6). The order of add() is the schedule.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/tree.h"
+
+#include "daemon/stages/disparity.h"
+#include "daemon/stages/floor.h"
+#include "daemon/stages/height.h"
+#include "daemon/stages/limit.h"
+#include "daemon/stages/map.h"
+#include "daemon/stages/rectify.h"
+#include "daemon/stages/show_line.h"
+#include "daemon/stages/show_obstacle.h"
+#include "daemon/stages/vdisparity.h"
+
+namespace vdisp {
+
+void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, const Config& config) {
+  using std::make_unique;
+  StereoSource& stereo = *source;
+  const auto calibration = stereo.calibration();
+
+  const auto camera = driver.add({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+  const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, config), {camera[0]});
+  const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, config), {camera[1]});
+  const auto disparity = driver.add("disparity", make_unique<Disparity>(config), {left, right}, Need::always);
+
+  if (config.main.detectors == "vdisparity") {
+    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
+    const auto floor = driver.add({"floor", "floor_model"}, make_unique<Floor>(config), {vdisparity}, Need::always);
+    const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
+    driver.add("map", make_unique<Map>(config), {disparity, limit, floor[1]}, Need::always);
+
+    // For the eye: run only while somebody looks, and after the map.
+    driver.add("obstacles", make_unique<ShowObstacle>(), {disparity, limit});
+    driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
+    driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
+    driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
+  }
+  stereo.add_truth(driver, camera[0]);
+}
+
+}  // namespace vdisp
