@@ -1,0 +1,236 @@
+// dump.cpp: one file for each picture, one JSON file for the rest.
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/dump.h"
+
+#include <cerrno>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "ipc/records.h"
+
+namespace vdisp {
+namespace {
+
+using nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr uint8_t map_occupied = 0, map_unknown = 205;  // map_server's own values
+
+ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+
+const char* key(Rejected why) {
+  switch (why) {
+    case Rejected::low_texture: return "low_texture";
+    case Rejected::not_unique: return "not_unique";
+    case Rejected::left_right: return "left_right";
+    case Rejected::speckle: return "speckle";
+    case Rejected::outside: return "outside";
+    case Rejected::matcher: return "matcher";
+  }
+  return "unknown";
+}
+
+const char* state_word(FloorState state) {
+  return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost";
+}
+
+// A blind record's bytes are those of some earlier frame: nothing of them is told.
+ordered_json floor_json(const Image& image) {
+  const FloorModel* floor = image.valid() ? record_of<FloorModel>(image) : nullptr;
+  ordered_json json;
+  json["state"] = floor ? state_word(floor->state) : "lost";
+  json["model"] = "line";
+  const double none = NAN;
+  json["a"] = number(floor ? floor->a : none);
+  json["b"] = number(floor ? floor->b : none);
+  json["pitch_rad"] = number(floor ? floor->pitch_rad : none);
+  json["roll_rad"] = number(floor ? floor->roll_rad : none);
+  json["height_m"] = number(floor ? floor->height_m : none);
+  json["confidence"] = floor ? number(floor->confidence) : ordered_json(0.0);
+  json["reason"] = name(floor ? floor->reason : image.reason);
+  json["points"] = floor ? floor->points : 0;
+  json["mounting_differs"] = floor && floor->mounting_differs != 0;
+  return json;
+}
+
+ordered_json scene_json(const TruthScene& scene) {
+  static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock"};
+  ordered_json json{{"pitch_rad", number(scene.pitch_rad)}, {"roll_rad", number(scene.roll_rad)},
+                    {"height_m", number(scene.height_m)}, {"slope_rad", number(scene.slope_rad)},
+                    {"objects", ordered_json::array()}};
+  for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
+    const TruthObject& object = scene.objects[i];
+    const auto kind = static_cast<uint32_t>(object.kind);
+    json["objects"].push_back({{"number", i + 1}, {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
+                               {"textured", object.textured != 0}, {"x", number(object.x)}, {"z", number(object.z)},
+                               {"width", number(object.width)}, {"depth", number(object.depth)},
+                               {"height", number(object.height)}, {"yaw", number(object.yaw)}});
+  }
+  return json;
+}
+
+ordered_json camera_json(const CameraGeometry& camera) {
+  return {{"f", number(camera.f)}, {"cx", number(camera.cx)}, {"cy", number(camera.cy)}, {"baseline", number(camera.baseline)},
+          {"cx_offset", number(camera.cx_offset)}, {"min_disparity", camera.min_disparity}, {"disparities", camera.disparities}};
+}
+
+ordered_json grid_json(const GridGeometry& grid) {
+  return {{"cell", number(grid.cell)}, {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
+          {"view_left", number(grid.view_left)}, {"view_right", number(grid.view_right)}, {"min_count", grid.min_count}};
+}
+
+ordered_json rejected_json(const Image& image) {
+  uint64_t counts[256] = {};
+  for (int y = 0; y < image.spec.height; ++y) {
+    const int16_t* row = image.row<int16_t>(y);
+    for (int x = 0; x < image.spec.width; ++x) ++counts[rejected_code(row[x])];
+  }
+  ordered_json json{{"measured", counts[0]}};
+  for (uint8_t code = 1; code <= static_cast<uint8_t>(Rejected::matcher); ++code) json[key(Rejected{code})] = counts[code];
+  return json;
+}
+
+/// A PNG whose samples are made from int16 pixels, row by row.
+template <class Sample, class Convert>
+std::string converted(const Image& image, Convert convert) {
+  std::vector<Sample> line(image.spec.width);
+  return encode_png(sizeof(Sample) == 2 ? PngKind::gray16 : PngKind::gray8, image.spec.width, image.spec.height, [&](int y) {
+    const int16_t* row = image.row<int16_t>(y);
+    for (int x = 0; x < image.spec.width; ++x) line[x] = static_cast<Sample>(convert(row[x]));
+    return line.data();
+  });
+}
+
+std::string plain(PngKind kind, const Image& image) {
+  return encode_png(kind, image.spec.width, image.spec.height, [&](int y) { return image.row<uint8_t>(y); });
+}
+
+std::string line_csv(const Image& image) {
+  std::string text = "column,row\n";
+  const int16_t* row = image.row<int16_t>(0);
+  for (int x = 0; x < image.spec.width; ++x) {
+    if (row[x] != line_none) text += std::to_string(x + 16 * image.camera.min_disparity) + "," + std::to_string(row[x]) + "\n";
+  }
+  return text;
+}
+
+std::string map_pgm(const Image& image) {
+  std::string bytes = "P5\n" + std::to_string(image.spec.width) + " " + std::to_string(image.spec.height) + "\n255\n";
+  for (int y = 0; y < image.spec.height; ++y) {
+    const int16_t* row = image.row<int16_t>(y);
+    for (int x = 0; x < image.spec.width; ++x) {
+      const bool occupied = row[x] > 0 && static_cast<uint32_t>(row[x]) >= image.grid.min_count;
+      bytes += static_cast<char>(occupied ? map_occupied : map_unknown);
+    }
+  }
+  return bytes;
+}
+
+// The origin is the lower left corner of the map with the camera at (0, 0), x to the right and y ahead, as the picture shows it.
+std::string map_yaml(const std::string& pgm, const GridGeometry& grid, int rows) {
+  const auto text = [](double value) { return ordered_json(std::round(value * 1e6) / 1e6 + 0.0).dump(); };  // + 0.0: no "-0.0"
+  const double cell = grid.cell;
+  return "image: " + pgm + "\nresolution: " + text(cell) + "\norigin: [" + text(-cell * grid.origin_column) + ", " +
+         text(-cell * (rows - static_cast<double>(grid.origin_row))) + ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+}
+
+}  // namespace
+
+struct FrameDump::Json {
+  bool seen = false;
+  ordered_json head, floor, records = ordered_json::object(), stages = ordered_json::object(), rejected = ordered_json::object();
+  ordered_json timing = ordered_json::object();
+};
+
+FrameDump::FrameDump(fs::path folder) : folder_(std::move(folder)), json_(std::make_unique<Json>()) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  part_ = part_of(folder_);
+  std::error_code error;
+  if (fs::exists(folder_, error)) throw WriteError(73, folder_.string() + " exists already; name an empty or a new folder for the dump");
+  fs::remove_all(part_, error);
+  fs::create_directories(part_, error);
+  if (error) throw write_error("cannot create", folder_, error.value());
+}
+
+FrameDump::~FrameDump() {
+  std::error_code ignored;
+  if (!part_.empty()) fs::remove_all(part_, ignored);
+}
+
+void FrameDump::write(const std::string& file, std::string_view bytes) {
+  const fs::path path = part_ / file;
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (error) throw write_error("cannot create", path.parent_path(), error.value());
+  write_file(path, bytes);
+}
+
+void FrameDump::add(std::string_view topic_view, const Image& image) {
+  const std::string topic(topic_view);
+  if (image.spec == record_spec<Catalogue>() || image.spec == record_spec<Heartbeat>()) return;
+  if (!json_->seen) {
+    json_->seen = true;
+    json_->head = {{"sequence", image.sequence}, {"timestamp_ns", image.timestamp_ns}, {"files", nullptr},
+                   {"valid", true}, {"reason", name(Reason::none)}, {"synthetic", (image.flags & flag_synthetic) != 0}};
+  }
+  if (!image.valid() && json_->head["valid"] == true) {
+    json_->head["valid"] = false;
+    json_->head["reason"] = name(image.reason);
+  }
+  json_->stages[topic] = {{"valid", image.valid()}, {"reason", name(image.reason)}};
+  if (image.spec == record_spec<FloorModel>()) json_->floor = floor_json(image);
+  if (!image.valid()) return;
+  if (const TruthScene* scene = record_of<TruthScene>(image)) json_->records["truth_scene"] = scene_json(*scene);
+  if (image.spec.pixel != Pixel::record) add_picture(topic, image);
+}
+
+void FrameDump::add_picture(const std::string& topic, const Image& image) {
+  const bool grid = is_grid(topic);
+  json_->stages[topic][grid ? "grid" : "camera"] = grid ? grid_json(image.grid) : camera_json(image.camera);
+  switch (image.spec.pixel) {
+    case Pixel::gray8:
+    case Pixel::mask8: return write(topic + ".png", plain(PngKind::gray8, image));
+    case Pixel::int8: return write(topic + ".png", plain(PngKind::gray8, image));  // -1 reads as 255
+    case Pixel::rgb8: return write(topic + ".png", plain(PngKind::rgb8, image));
+    case Pixel::line16: return write(topic + ".csv", line_csv(image));
+    case Pixel::height16: return write(topic + ".png", converted<uint16_t>(image, [](int height) { return height + 32768; }));
+    case Pixel::disparity16:
+      json_->rejected[topic] = rejected_json(image);
+      write(topic + ".png", converted<uint16_t>(image, [](int d) { return d < 0 ? 0 : d; }));
+      return write(topic + "_reason.png", converted<uint8_t>(image, [](int16_t d) { return rejected_code(d); }));
+    case Pixel::count16:
+      write(topic + ".png", converted<uint16_t>(image, [](int count) { return count < 0 ? 0 : count; }));
+      if (!grid) return;
+      write(topic + ".pgm", map_pgm(image));
+      return write(topic + ".yaml", map_yaml(fs::path(topic).filename().string() + ".pgm", image.grid, image.spec.height));
+    default: return;
+  }
+}
+
+void FrameDump::add_timing(std::string_view stage, int64_t ns) { json_->timing[std::string(stage)] = ns; }
+
+void FrameDump::finish(const std::string& left, const std::string& right) {
+  ordered_json frame = json_->head;
+  frame["files"] = {{"left", left}, {"right", right}};
+  frame["floor"] = json_->floor;
+  frame.update(json_->records);
+  frame["rejected"] = json_->rejected;
+  frame["stages"] = json_->stages;
+  write("frame.json", frame.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  if (!json_->timing.empty()) write("timing.json", json_->timing.dump(1) + "\n");
+  if (rename(part_.c_str(), folder_.c_str()) != 0) throw write_error("cannot create", folder_, errno);
+  part_.clear();
+}
+
+bool is_grid(std::string_view topic) {
+  const std::string_view last = topic.substr(topic.rfind('/') + 1);  // npos + 1 is 0
+  return last == "map" || last.starts_with("map_");
+}
+
+std::string frame_name(uint64_t number) {
+  const std::string digits = std::to_string(number);
+  return digits.size() < 6 ? std::string(6 - digits.size(), '0') + digits : digits;
+}
+
+}  // namespace vdisp
