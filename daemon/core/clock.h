@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <ctime>
 #include <cstdint>
+#include <ctime>
 
 namespace vdisp {
 

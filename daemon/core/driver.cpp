@@ -13,15 +13,15 @@ namespace vdisp {
 
 struct Driver::Slot {
   std::unique_ptr<Outlet> outlet;
-  Image* image = nullptr;      // loaned in this step, not yet published
-  int publish_after = -1;      // the last stage of this step that reads it
+  Image* image = nullptr;  // loaned in this step, not yet published
+  int publish_after = -1;  // the last stage of this step that reads it
 };
 
 struct Driver::Stage {
   std::unique_ptr<ImageProcessor> processor;
-  std::vector<int> inputs, outputs;   // topics
+  std::vector<int> inputs, outputs;  // topics
   Need need;
-  bool runs = false;                  // in this step
+  bool runs = false;  // in this step
   StageTiming timing;
   std::vector<const Image*> in;
   std::vector<Image*> out;
@@ -40,8 +40,8 @@ std::string Driver::label(const Stage& stage) const {
   return text;
 }
 
-std::vector<Handle> Driver::add(std::vector<std::string> names, std::unique_ptr<ImageProcessor> processor,
-                                std::vector<Handle> inputs, Need need) {
+std::vector<Handle> Driver::add(std::vector<std::string> names, std::unique_ptr<ImageProcessor> processor, std::vector<Handle> inputs,
+                                Need need) {
   Stage stage;
   stage.need = need;
   std::vector<ImageSpec> in;
@@ -253,8 +253,8 @@ void Driver::write_dot(std::ostream& out) const {
     out << "  \"" << topic.name << "\" [" << (always ? "style=bold" : "style=solid") << "];\n";
     for (Handle parent : topic.parents) {
       const Topic& from = topics_[parent.topic];
-      out << "  \"" << from.name << "\" -> \"" << topic.name << "\" [label=\"" << name(from.spec.pixel) << " " << from.spec.width
-          << "x" << from.spec.height << "\"];\n";
+      out << "  \"" << from.name << "\" -> \"" << topic.name << "\" [label=\"" << name(from.spec.pixel) << " " << from.spec.width << "x"
+          << from.spec.height << "\"];\n";
     }
   }
   out << "}\n";
@@ -281,10 +281,9 @@ void Driver::write_profile(std::ostream& out) const {
       continue;
     }
     const double runs = static_cast<double>(t.runs);
-    out << std::setw(7) << (total ? 100.0 * static_cast<double>(t.total_ns) / static_cast<double>(total) : 0.0) << " %"
-        << std::setw(10) << static_cast<double>(t.total_ns) / runs * 1e-6 << " ms mean" << std::setw(10)
-        << static_cast<double>(t.max_ns) * 1e-6 << " ms max" << std::setw(9) << t.runs << " runs" << std::setw(7) << t.invalid
-        << " invalid\n";
+    out << std::setw(7) << (total ? 100.0 * static_cast<double>(t.total_ns) / static_cast<double>(total) : 0.0) << " %" << std::setw(10)
+        << static_cast<double>(t.total_ns) / runs * 1e-6 << " ms mean" << std::setw(10) << static_cast<double>(t.max_ns) * 1e-6 << " ms max"
+        << std::setw(9) << t.runs << " runs" << std::setw(7) << t.invalid << " invalid\n";
   }
 }
 

@@ -97,8 +97,8 @@ inline void require(const ImageSpec& found, Pixel needed, const std::string& whi
 /// Throws FormatError unless two inputs are of one size.
 inline void require_same_size(const ImageSpec& a, const ImageSpec& b) {
   if (a.width != b.width || a.height != b.height)
-    throw FormatError("the inputs are " + std::to_string(a.width) + "x" + std::to_string(a.height) + " and " +
-                      std::to_string(b.width) + "x" + std::to_string(b.height) + ", needed is one size");
+    throw FormatError("the inputs are " + std::to_string(a.width) + "x" + std::to_string(a.height) + " and " + std::to_string(b.width) +
+                      "x" + std::to_string(b.height) + ", needed is one size");
 }
 
 }  // namespace vdisp

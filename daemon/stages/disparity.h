@@ -31,10 +31,10 @@ class Disparity final : public BinaryOperator {
   void name_reasons(cv::Mat& disparity) const;
 
   const Config& config_;
-  cv::Ptr<cv::StereoBM> block_;      // one of the two is set
+  cv::Ptr<cv::StereoBM> block_;  // one of the two is set
   cv::Ptr<cv::StereoSGBM> global_;
-  cv::Mat matched_;                  // before the speckle filter
-  cv::Mat speckles_;                 // work space of the speckle filter
+  cv::Mat matched_;   // before the speckle filter
+  cv::Mat speckles_;  // work space of the speckle filter
   cv::Mat gradient_, texture_;
 };
 

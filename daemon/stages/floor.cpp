@@ -138,8 +138,7 @@ void Floor::describe(const Image& vdisparity, const Line& line, FloorModel& mode
   model.height_m = pose.height;
   const auto& mounting = config_.mounting;
   const double expected = config_.expected_pitch();
-  const bool height_differs =
-      mounting.height > 0 && std::abs(pose.height - mounting.height) > mounting.heightTolerance * mounting.height;
+  const bool height_differs = mounting.height > 0 && std::abs(pose.height - mounting.height) > mounting.heightTolerance * mounting.height;
   const bool pitch_differs = !std::isnan(expected) && std::abs(pose.pitch - expected) > mounting.pitchTolerance;
   model.mounting_differs = height_differs || pitch_differs;
 }

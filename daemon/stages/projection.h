@@ -27,7 +27,7 @@ inline Reason no_metres(const Image& image, double pitch) {
 /// Column of the v-disparity for a disparity in 1/16 px; -1 outside the search range or not nearer than infinity.
 inline int vdisparity_column(const CameraGeometry& g, int disparity) {
   const int column = disparity - 16 * g.min_disparity;
-  const bool inside = column >= 0 && column < 16 * g.disparities && static_cast<float>(disparity) > 16 * g.cx_offset;
+  const bool inside = column >= 0 && column<16 * g.disparities&& static_cast<float>(disparity)> 16 * g.cx_offset;
   return inside ? column : -1;
 }
 

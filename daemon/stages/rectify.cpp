@@ -31,8 +31,14 @@ ImageSpec Rectify::accept(const ImageSpec& in) {
   if (c.width && (c.width != in.width || c.height != in.height))
     throw FormatError("the images are " + size(in.width, in.height) + ", the calibration (" + c.format + ") is for " +
                       size(c.width, c.height));
-  geometry_ = {static_cast<float>(c.view.f),        static_cast<float>(c.view.cx), static_cast<float>(c.view.cy),
-               static_cast<float>(c.view.baseline), static_cast<float>(c.view.cx_offset), 0, 0, {}};
+  geometry_ = {static_cast<float>(c.view.f),
+               static_cast<float>(c.view.cx),
+               static_cast<float>(c.view.cy),
+               static_cast<float>(c.view.baseline),
+               static_cast<float>(c.view.cx_offset),
+               0,
+               0,
+               {}};
   if (c.raw) {
     const RawCamera& camera = (*c.raw)[static_cast<size_t>(side_)];
     const cv::Mat k(3, 3, CV_64F, const_cast<double*>(camera.k.data()));

@@ -13,12 +13,15 @@ namespace vdisp {
 class Picture {
  public:
   explicit Picture(const ImageSpec& spec) : outlet_(spec) { std::memset(image().row<uint8_t>(0), 0, spec.bytes() - sizeof(Image)); }
-  Picture(Pixel pixel, int width, int height)
-      : Picture(ImageSpec{pixel, 0, static_cast<uint16_t>(width), static_cast<uint16_t>(height)}) {}
+  Picture(Pixel pixel, int width, int height) : Picture(ImageSpec{pixel, 0, static_cast<uint16_t>(width), static_cast<uint16_t>(height)}) {}
   Image& image() { return outlet_.loan(); }
   const ImageSpec& spec() { return image().spec; }
-  template <class T> T& at(int row, int column) { return image().row<T>(row)[column]; }
-  template <class T> void fill(const std::function<T(int row, int column)>& value) {
+  template <class T>
+  T& at(int row, int column) {
+    return image().row<T>(row)[column];
+  }
+  template <class T>
+  void fill(const std::function<T(int row, int column)>& value) {
     for (int v = 0; v < spec().height; ++v)
       for (int u = 0; u < spec().width; ++u) at<T>(v, u) = value(v, u);
   }

@@ -23,8 +23,14 @@ constexpr double paper_height = 0.8, paper_pitch = 0.26;
 constexpr int width = 640, height = 480;
 
 CameraGeometry geometry(const StereoView& view, int ndisp, int min_disparity = 0) {
-  return {static_cast<float>(view.f),        static_cast<float>(view.cx), static_cast<float>(view.cy), static_cast<float>(view.baseline),
-          static_cast<float>(view.cx_offset), min_disparity,               ndisp,                       {}};
+  return {static_cast<float>(view.f),
+          static_cast<float>(view.cx),
+          static_cast<float>(view.cy),
+          static_cast<float>(view.baseline),
+          static_cast<float>(view.cx_offset),
+          min_disparity,
+          ndisp,
+          {}};
 }
 
 struct StagesTest : testing::Test {
@@ -65,7 +71,8 @@ struct StagesTest : testing::Test {
   // What a point of frame h becomes in the disparity image, at the nearest pixel and 1/16 px.
   void see(const Point& h) {
     const Point c = camera(h, paper_pitch);
-    const int u = static_cast<int>(std::lround(paper.cx + paper.f * c.x / c.z)), v = static_cast<int>(std::lround(paper.cy + paper.f * c.y / c.z));
+    const int u = static_cast<int>(std::lround(paper.cx + paper.f * c.x / c.z)),
+              v = static_cast<int>(std::lround(paper.cy + paper.f * c.y / c.z));
     ASSERT_TRUE(u >= 0 && u < width && v >= 0 && v < height) << u << ' ' << v;
     disparity.at<int16_t>(v, u) = static_cast<int16_t>(std::lround(16 * paper.disparity(c.z)));
   }

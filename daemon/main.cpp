@@ -1,0 +1,164 @@
+// main.cpp: vdispd: options, the tree, shared memory, and the loop that drives it.
+// SPDX-License-Identifier: Apache-2.0
+#include <sysexits.h>
+#include <time.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <opencv2/core.hpp>
+
+#include "daemon/core/clock.h"
+#include "daemon/dump.h"
+#include "daemon/log/edges.h"
+#include "daemon/log/log.h"
+#include "daemon/options.h"
+#include "daemon/tree.h"
+#include "ipc/shm.h"
+
+namespace vdisp {
+namespace {
+
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// One run: everything is built in the constructor, which may throw; after it nothing allocates, but for the dump.
+class Run {
+ public:
+  explicit Run(const Options& options) : options_(options), config_(options.config), edges_(config_), driver_(epoch()) {
+    cv::setNumThreads(config_.main.threads);
+    auto source = open_source(config_);
+    source_ = source.get();
+    period_ns_ = std::max<int64_t>(source->period_ns(), config_.main.period * 1'000'000LL);
+    build_tree(driver_, std::move(source), config_);
+    write_dot();
+    if (!options.dump.empty()) dump_.emplace(options.dump);
+    publish();
+    if (dump_) driver_.need_all();
+    driver_.set_viewer([this](const Topic& topic, const Image& image) {
+      edges_.see(topic, image);
+      if (dump_) dump_->see(topic, image);
+    });
+    log::debug("{} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
+  }
+
+  /// Frames until the source ends, --frames is reached or a signal asks.
+  void loop() {
+    int64_t due = monotonic_ns();
+    while (!stop_asked && driver_.step() != Outcome::end) {
+      driver_.beat();
+      if (dump_) {
+        const auto [left, right] = source_->files();
+        dump_->finish_frame(driver_, left, right);
+      }
+      if (options_.frames && driver_.steps() >= options_.frames) break;
+      // A frame that came too late is not caught up with: the next one is due a period from now.
+      due = std::max(due + period_ns_, monotonic_ns() - period_ns_);
+      wait_until(due);
+    }
+  }
+
+  /// Readers survive only this way of ending (ipc/shm.h).
+  void leave(int exit_code) {
+    if (exit_code == EX_OK) driver_.write_profile(std::cerr);
+    log::stop();
+    if (shared_) SharedMemory::leave(exit_code);
+  }
+
+ private:
+  static uint64_t epoch() {
+    timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return static_cast<uint64_t>(now.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(now.tv_nsec);
+  }
+
+  void write_dot() {
+    if (options_.dot.empty()) return;
+    std::ofstream file(options_.dot);
+    driver_.write_dot(file);
+    if (!file.flush()) throw WriteError(EX_CANTCREAT, options_.dot + ": the tree cannot be written there");
+  }
+
+  void publish() {
+    if (config_.main.middleware != "none") {
+      TopicList topics;
+      for (const Topic& topic : driver_.published_topics()) topics.emplace_back(topic.name, topic.spec);
+      try {
+        shared_.emplace(ShmOptions{config_.main.name, config_.ipc.group, static_cast<uint32_t>(config_.ipc.memory)}, topics);
+      } catch (const ShmError& error) {
+        // A recording can be evaluated beside the daemon that serves the rover.
+        if (!dump_ || error.exit_code != EX_UNAVAILABLE) throw;
+        log::warn("{}; this run only writes {}", error.what(), options_.dump);
+      }
+    }
+    driver_.connect([this](const std::string& topic, const ImageSpec& spec) -> std::unique_ptr<Outlet> {
+      if (shared_) return shared_->outlet(topic, spec);
+      return std::make_unique<BufferOutlet>(spec);
+    });
+  }
+
+  void wait_until(int64_t due) {
+    constexpr int64_t slice_ns = 50'000'000;  // the heartbeat goes on while a slow source is waited for
+    for (int64_t now = monotonic_ns(); now < due && !stop_asked; now = monotonic_ns()) {
+      const timespec pause{0, static_cast<long>(std::min(due - now, slice_ns))};
+      nanosleep(&pause, nullptr);
+      driver_.beat();
+    }
+  }
+
+  const Options& options_;
+  const Config& config_;
+  log::Edges edges_;
+  Driver driver_;
+  StereoSource* source_ = nullptr;  // owned by the driver
+  int64_t period_ns_ = 0;
+  std::optional<SharedMemory> shared_;
+  std::optional<Dump> dump_;
+};
+
+/// The exit code of what went wrong, after one line about it.
+int explain(std::exception_ptr failure) {
+  const auto say = [](int code, const std::string& what) {
+    log::stop();
+    std::cerr << "vdispd: " << what << std::endl;
+    return code;
+  };
+  try {
+    std::rethrow_exception(failure);
+  } catch (const SourceError& error) {
+    return say(error.exit_code, error.what());
+  } catch (const ShmError& error) {
+    return say(error.exit_code, error.what());
+  } catch (const WriteError& error) {
+    return say(error.exit_code, error.what());
+  } catch (const CalibrationError& error) {
+    return say(EX_CONFIG, error.what());
+  } catch (const FormatError& error) {
+    return say(EX_CONFIG, error.what());
+  } catch (const std::exception& error) {
+    return say(EX_TEMPFAIL, std::string("internal: ") + error.what());
+  }
+}
+
+int main(int argc, char** argv) {
+  const Parsed parsed = parse_options(argc, argv);
+  if (parsed.exit_code) return *parsed.exit_code;
+  for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_asked = 1; });
+  std::signal(SIGPIPE, SIG_IGN);
+  log::start(parsed.options.config.main.debug);
+  std::optional<Run> run;
+  int exit_code = EX_OK;
+  try {
+    run.emplace(parsed.options);
+    run->loop();
+  } catch (...) {
+    exit_code = explain(std::current_exception());
+  }
+  if (run) run->leave(exit_code);
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace vdisp
+
+int main(int argc, char** argv) { return vdisp::main(argc, argv); }

@@ -1,0 +1,68 @@
+// options.cpp: CLI11 reads the words, config/ the file.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/options.h"
+
+#include <sysexits.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+
+namespace vdisp {
+namespace {
+
+constexpr const char* installed_config = "/etc/vdisp/vdisp.cfg";
+
+/// 0, or the exit code after all complaints have been said.
+int read(const std::string& file, std::vector<std::string> sets, bool sim, Config& config) {
+  if (sim) sets.push_back("image source.source=sim");
+  std::error_code ignored;
+  const bool installed = file.empty() && std::filesystem::exists(installed_config, ignored);
+  const Reading reading = read_config(installed ? installed_config : file, sets, config);
+  for (const Complaint& note : reading.notes) std::cerr << "vdispd: " << note << '\n';
+  for (const Complaint& complaint : reading.complaints) std::cerr << complaint << '\n';
+  return reading.exit_code;
+}
+
+}  // namespace
+
+Parsed parse_options(int argc, char** argv) {
+  Parsed parsed;
+  Options& options = parsed.options;
+  std::string file;
+  std::vector<std::string> sets;
+  bool sim = false, check_only = false, print = false;
+
+  CLI::App app("Turns stereo frames into an obstacle map, and shows every stage of the way in shared memory.", "vdispd");
+  app.set_version_flag("--version", "vdispd " VDISP_VERSION);
+  app.add_option("-c,--config", file, "Configuration; without it /etc/vdisp/vdisp.cfg, or the defaults where that does not exist")
+      ->type_name("FILE");
+  app.add_flag("--sim", sim, "Show a simulated world instead of a camera's (source = sim)");
+  app.add_option("--set", sets, "Override one parameter; may be repeated")->type_name("SECTION.KEY=VALUE")->allow_extra_args(false);
+  app.add_option("--frames", options.frames, "End after N frames, blind ones counted")->type_name("N")->check(CLI::PositiveNumber);
+  app.add_option("--dump", options.dump, "Compute all stages and write each frame to DIR/000000, DIR/000001, ...")->type_name("DIR");
+  app.add_flag("--check-config", check_only, "Say all that is wrong with the configuration and end");
+  app.add_flag("--print-config", print, "Print the configuration as it is understood and end");
+  app.add_option("--dot", options.dot, "Write the processing tree as a Graphviz graph to FILE")->type_name("FILE");
+  app.footer(
+      "Exit codes: 0 done, 64 usage, 66 no input, 69 no camera or another daemon runs, 71 no shared memory,\n"
+      "73 cannot create output, 74 output failed, 75 internal, 77 no permission, 78 wrong configuration.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {
+    parsed.exit_code = app.exit(done);
+    return parsed;
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "vdispd: " << error.what() << "; see vdispd --help\n";
+    parsed.exit_code = EX_USAGE;
+    return parsed;
+  }
+
+  const int exit_code = read(file, sets, sim, options.config);
+  if (exit_code != 0 || check_only || print) parsed.exit_code = exit_code;
+  if (exit_code == 0 && check_only) std::cout << (file.empty() ? "the configuration" : file) << ": nothing wrong\n";
+  if (exit_code == 0 && print) print_config(std::cout, options.config);
+  return parsed;
+}
+
+}  // namespace vdisp
