@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,15 @@ constexpr double real_or(const char*) { return word_given; }
 }  // namespace schema
 
 #define BEGIN(section, title, help) struct section##_section {
-#define END(section) };
+#define END(section) \
+  }                  \
+  ;
 #define INT(section, key, initial, least, most, step, unit, when, help) int key = initial;
 #define REAL(section, key, initial, least, most, unit, when, help) double key = initial;
 #define REAL_OR(section, key, initial, least, most, word, unit, when, help) double key = schema::real_or(initial);
 #define FLAG(section, key, initial, when, help) bool key = initial;
 #define TEXT(section, key, initial, when, help) std::string key = initial;
+#define PATH(section, key, initial, when, help) std::string key = initial;
 #define CHOICE(section, key, initial, choices, when, help) std::string key = initial;
 #include "config/schema.def"
 #undef BEGIN
@@ -34,6 +38,7 @@ constexpr double real_or(const char*) { return word_given; }
 #undef REAL_OR
 #undef FLAG
 #undef TEXT
+#undef PATH
 #undef CHOICE
 
 /// One member per section of the file; see schema.def for meaning, unit and range of each key.
@@ -51,5 +56,34 @@ struct Config {
   /// Expected pitch of the camera: [mounting] pitch, else the number in angRot; NaN where neither says.
   double expected_pitch() const { return std::isnan(mounting.pitch) ? limit.angRot : mounting.pitch; }
 };
+
+/// Something the operator should know: what was found, where, what would be right. Written as "file:line: text".
+struct Complaint {
+  std::string file;  ///< or the option: --set SECTION.KEY=VALUE
+  int line = 0;      ///< 0: the whole file, or an option
+  std::string text;
+};
+std::ostream& operator<<(std::ostream& out, const Complaint& complaint);
+
+struct Reading {
+  std::vector<Complaint> complaints;
+  std::vector<Complaint> notes;  ///< nothing wrong, but worth a line
+  int exit_code = 0;             ///< of sysexits.h: 66 the file cannot be read, 77 it may not, 78 it is wrong
+};
+
+/// Defaults, then the file, then each SECTION.KEY=VALUE. An empty path is no file. All complaints at once; with any, `config`
+/// stays as it was.
+Reading read_config(const std::filesystem::path& path, std::span<const std::string> sets, Config& config);
+
+/// Values that are each in their range, but not together.
+struct Contradiction {
+  std::vector<std::string> parameters;  ///< "Floor.anglefloorMin": those that contradict each other
+  std::string text;
+};
+std::vector<Contradiction> check(const Config& config);
+
+/// A vdisp.cfg with every key, its help, range and default; what differs from the default is marked. Reads back to the same
+/// Config.
+void print_config(std::ostream& out, const Config& config);
 
 }  // namespace vdisp

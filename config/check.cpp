@@ -1,0 +1,114 @@
+// check.cpp: what no range can say: values that contradict each other.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "config/parameters.h"
+#include "config/quoting.h"
+
+namespace vdisp {
+namespace {
+
+constexpr double most_cells = 4096;
+constexpr size_t longest_name = 100;  // what an iceoryx instance may have
+
+class Check {
+ public:
+  explicit Check(const Config& config) : config_(config) {}
+  std::vector<Contradiction> found;
+
+  /// "anglefloorMin = 0.9"
+  std::string value(const char* name) const {
+    const Parameter* row = find_parameter(name);
+    return std::string(row->key) + " = " + printable(row->get(config_));
+  }
+  void refuse(std::vector<std::string> parameters, std::string text) {
+    found.push_back({std::move(parameters), std::move(text)});
+  }
+
+  void floor() {
+    if (config_.floor.anglefloorMin < config_.floor.anglefloorMax) return;
+    refuse({"Floor.anglefloorMin", "Floor.anglefloorMax"},
+           value("Floor.anglefloorMin") + ", must be less than " + value("Floor.anglefloorMax"));
+  }
+
+  void cells(const char* side, double metres) {
+    const double count = std::round(metres / config_.map.cell);
+    if (count >= 1 && count <= most_cells) return;
+    refuse({side, "Map.cell"}, value(side) + " m with " + value("Map.cell") + " m makes " + std::to_string(std::lround(count)) +
+                                   " cells, must be from 1 to 4096");
+  }
+
+  void angle() {
+    const double a = config_.limit.angRot, b = config_.map.angRot;
+    if (a == b || (std::isnan(a) && std::isnan(b))) return;
+    refuse({"Limit obstacle.angRot", "Map.angRot"},
+           value("Map.angRot") + " in [Map], must be the same as in [Limit obstacle], where " + value("Limit obstacle.angRot"));
+  }
+
+  void files() {
+    const auto& s = config_.image_source;
+    if (s.left.empty() && !s.right.empty()) {
+      refuse({"image source.right", "image source.left"},
+             value("image source.right") + " without left, must have the left images too");
+    } else if (s.left.empty() && s.source == "files") {
+      refuse({"image source.source", "image source.left"},
+             "source = files without left, must have left = a pattern, a glob or a video");
+    } else if (!s.left.empty() && s.left == s.right) {
+      refuse({"image source.left", "image source.right"},
+             value("image source.right") +
+                 " is the same as left, must be the other camera's images; leave it out for one video with both");
+    }
+  }
+
+  void sizes() {
+    const auto& s = config_.image_source;
+    size(s.source, "image source.width", s.width, "sim.width", config_.sim.width);
+    size(s.source, "image source.height", s.height, "sim.height", config_.sim.height);
+    const bool sim = s.source == "sim";
+    const int width = s.width > 0 ? s.width : sim ? config_.sim.width : 0;
+    const int height = s.height > 0 ? s.height : sim ? config_.sim.height : 0;
+    const char* named_width = s.width > 0 ? "image source.width" : "sim.width";
+    const char* named_height = s.height > 0 ? "image source.height" : "sim.height";
+    const int columns = s.ndisp + std::max(0, s.minDisparity) + s.corrsize;
+    if (width > 0 && columns > width) {
+      refuse({"image source.ndisp", "image source.minDisparity", "image source.corrsize", named_width},
+             value("image source.ndisp") + " with " + value("image source.minDisparity") + " and " +
+                 value("image source.corrsize") + " needs " + std::to_string(columns) + " columns, must fit " +
+                 value(named_width));
+    }
+    if (height > 0 && s.corrsize > height) {
+      refuse({"image source.corrsize", named_height}, value("image source.corrsize") + ", must fit " + value(named_height));
+    }
+  }
+
+  void name() {
+    const std::string& name = config_.main.name;
+    if (!name.empty() && name.size() <= longest_name) return;
+    refuse({"main.name"},
+           "name has " + std::to_string(name.size()) + " bytes, must have from 1 to " + std::to_string(longest_name));
+  }
+
+ private:
+  void size(const std::string& source, const char* asked, int pixels, const char* made, int simulated) {
+    if (source != "sim" || pixels == 0 || pixels == simulated) return;
+    refuse({asked, made}, value(asked) + ", must be 0 or the size of the simulated images: [sim] " + value(made));
+  }
+
+  const Config& config_;
+};
+
+}  // namespace
+
+std::vector<Contradiction> check(const Config& config) {
+  Check check(config);
+  check.name();
+  check.files();
+  check.sizes();
+  check.floor();
+  check.angle();
+  check.cells("Map.range", config.map.range);
+  check.cells("Map.width", config.map.width);
+  return std::move(check.found);
+}
+
+}  // namespace vdisp
