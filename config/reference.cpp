@@ -65,7 +65,8 @@ and
 names everything that is wrong with a file, with its line.
 .PP
 A comment begins with # or ; at the beginning of a line or after a blank.
-A value may stand in double quotes, where \e\(dq, \e\e and \e$ stand for \(dq, \e and $, or in single quotes, where nothing has a meaning of its own.
+A value may stand in double quotes, where \e\(dq, \e\e and \e$ stand for \(dq, \e and $,
+or in single quotes, where nothing has a meaning of its own.
 .PP
 Relative paths begin at the folder of the file; those of
 .B \-\-set
@@ -83,7 +84,8 @@ is taken for
 .B angRot
 is one angle that stands in two sections: given in one it holds for both, and two different values are refused.
 .SH PARAMETERS
-Each with what may be given, its default, and whether a change takes effect in a running daemon (live) or at its next start (restart).
+Each with what may be given, its default,
+and whether a change takes effect in a running daemon (live) or at its next start (restart).
 )";
   write_man_section(out);
   out << R"(.SH SEE ALSO
