@@ -75,8 +75,8 @@ void Assignments::compare_angles(const Parameter& row, const std::string& before
   const std::string now = row.get(config_);
   if (other == given_there_.end() || wrong_.contains(twin) || now == before) return;
   const std::string where = !options_ ? "line " + std::to_string(other->second.line) : other->second.file;
-  complain(place, "angRot = " + now + " in [" + std::string(row.section) + "] but " + before + " in [" +
-                      std::string(twin->section) + "] (" + where + "), must be the same in both, or in one of them only");
+  complain(place, "angRot = " + now + " in [" + std::string(row.section) + "] but " + before + " in [" + std::string(twin->section) +
+                      "] (" + where + "), must be the same in both, or in one of them only");
 }
 
 void Assignments::report_contradictions(const std::string& file) {
@@ -98,8 +98,7 @@ Reading Assignments::finish(const std::string& file, Config& config) {
   const auto& source = config_.image_source;
   if (source.source == "auto" && !source.left.empty()) {
     const Place& place = given_[find_parameter("image source.left")];
-    result_.notes.push_back(
-        {place.file, place.line, "left has no effect with source = auto; source = files reads recorded pairs"});
+    result_.notes.push_back({place.file, place.line, "left has no effect with source = auto; source = files reads recorded pairs"});
   }
   if (result_.complaints.empty()) config = config_;
   return std::move(result_);

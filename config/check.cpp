@@ -21,9 +21,7 @@ class Check {
     const Parameter* row = find_parameter(name);
     return std::string(row->key) + " = " + printable(row->get(config_));
   }
-  void refuse(std::vector<std::string> parameters, std::string text) {
-    found.push_back({std::move(parameters), std::move(text)});
-  }
+  void refuse(std::vector<std::string> parameters, std::string text) { found.push_back({std::move(parameters), std::move(text)}); }
 
   void floor() {
     if (config_.floor.anglefloorMin < config_.floor.anglefloorMax) return;
@@ -48,15 +46,12 @@ class Check {
   void files() {
     const auto& s = config_.image_source;
     if (s.left.empty() && !s.right.empty()) {
-      refuse({"image source.right", "image source.left"},
-             value("image source.right") + " without left, must have the left images too");
+      refuse({"image source.right", "image source.left"}, value("image source.right") + " without left, must have the left images too");
     } else if (s.left.empty() && s.source == "files") {
-      refuse({"image source.source", "image source.left"},
-             "source = files without left, must have left = a pattern, a glob or a video");
+      refuse({"image source.source", "image source.left"}, "source = files without left, must have left = a pattern, a glob or a video");
     } else if (!s.left.empty() && s.left == s.right) {
       refuse({"image source.left", "image source.right"},
-             value("image source.right") +
-                 " is the same as left, must be the other camera's images; leave it out for one video with both");
+             value("image source.right") + " is the same as left, must be the other camera's images; leave it out for one video with both");
     }
   }
 
@@ -72,9 +67,8 @@ class Check {
     const int columns = s.ndisp + std::max(0, s.minDisparity) + s.corrsize;
     if (width > 0 && columns > width) {
       refuse({"image source.ndisp", "image source.minDisparity", "image source.corrsize", named_width},
-             value("image source.ndisp") + " with " + value("image source.minDisparity") + " and " +
-                 value("image source.corrsize") + " needs " + std::to_string(columns) + " columns, must fit " +
-                 value(named_width));
+             value("image source.ndisp") + " with " + value("image source.minDisparity") + " and " + value("image source.corrsize") +
+                 " needs " + std::to_string(columns) + " columns, must fit " + value(named_width));
     }
     if (height > 0 && s.corrsize > height) {
       refuse({"image source.corrsize", named_height}, value("image source.corrsize") + ", must fit " + value(named_height));
@@ -84,8 +78,7 @@ class Check {
   void name() {
     const std::string& name = config_.main.name;
     if (!name.empty() && name.size() <= longest_name) return;
-    refuse({"main.name"},
-           "name has " + std::to_string(name.size()) + " bytes, must have from 1 to " + std::to_string(longest_name));
+    refuse({"main.name"}, "name has " + std::to_string(name.size()) + " bytes, must have from 1 to " + std::to_string(longest_name));
   }
 
  private:

@@ -92,9 +92,7 @@ Unquoted unquoted(std::string_view raw, bool references) {
   const size_t close = closing_quote(raw, 0);
   if (close == none) return {{}, std::string("the closing ") + raw[0] + " is missing"};
   if (close + 1 != raw.size()) {
-    return {{},
-            "'" + printable(trimmed(raw.substr(close + 1))) +
-                "' after the closing quote, must be nothing or a blank and a # comment"};
+    return {{}, "'" + printable(trimmed(raw.substr(close + 1))) + "' after the closing quote, must be nothing or a blank and a # comment"};
   }
   const bool plain = raw[0] == '\'';
   return resolved(raw.substr(1, close - 1), !plain, references && !plain);

@@ -130,12 +130,10 @@ TEST_F(ConfigFile, a_value_out_of_range_is_named_with_its_range_and_default) {
             "t.cfg:2: ndisp = 50, must be a number from 16 to 256 in steps of 16 [pixel], default 48\n");
   EXPECT_EQ(complaints("[image source]\nndisp=48.5\n"),
             "t.cfg:2: ndisp = 48.5, must be a whole number from 16 to 256 in steps of 16 [pixel], default 48\n");
-  EXPECT_EQ(complaints("[Map]\nangRot=1.3\n"),
-            "t.cfg:2: angRot = 1.3, must be a number from -0.5 to 1.2 [rad] or auto, default 0.26\n");
+  EXPECT_EQ(complaints("[Map]\nangRot=1.3\n"), "t.cfg:2: angRot = 1.3, must be a number from -0.5 to 1.2 [rad] or auto, default 0.26\n");
   EXPECT_EQ(complaints("[image source]\nsource=fils\n"), "t.cfg:2: source = fils, must be auto, sim or files, default auto\n");
   EXPECT_EQ(complaints("[image source]\nloop=maybe\n"), "t.cfg:2: loop = maybe, must be yes or no, default no\n");
-  EXPECT_EQ(complaints("[Floor]\niterRansac =\n"),
-            "t.cfg:2: iterRansac has no value, must be a number from 10 to 2000 [-], default 100\n");
+  EXPECT_EQ(complaints("[Floor]\niterRansac =\n"), "t.cfg:2: iterRansac has no value, must be a number from 10 to 2000 [-], default 100\n");
 }
 
 TEST_F(ConfigFile, every_edge_of_every_range_is_taken_and_beyond_it_refused) {
@@ -177,8 +175,7 @@ TEST_F(ConfigFile, the_locale_has_no_say_in_numbers) {
 TEST_F(ConfigFile, an_unknown_key_names_the_nearest) {
   EXPECT_EQ(complaints("[Floor]\nitrRansac=100\n"), "t.cfg:2: no parameter 'itrRansac' in [Floor], nearest is 'iterRansac'\n");
   EXPECT_EQ(complaints("[Floor]\niterransac=100\n"), "t.cfg:2: no parameter 'iterransac' in [Floor], nearest is 'iterRansac'\n");
-  EXPECT_EQ(complaints("[main]\nitrRansac=100\n"),
-            "t.cfg:2: no parameter 'itrRansac' in [main], nearest is 'iterRansac' in [Floor]\n");
+  EXPECT_EQ(complaints("[main]\nitrRansac=100\n"), "t.cfg:2: no parameter 'itrRansac' in [main], nearest is 'iterRansac' in [Floor]\n");
   EXPECT_EQ(complaints("[ipc]\nbroccoli=100\n"), "t.cfg:2: no parameter 'broccoli' in [ipc], there are memory, group\n");
 }
 
@@ -324,9 +321,8 @@ TEST_F(ConfigFile, angRot_in_one_section_holds_for_both) {
 TEST_F(ConfigFile, angRot_twice_must_be_the_same) {
   EXPECT_EQ(complaints("[Map]\nangRot=0.3\n[Limit obstacle]\nangRot=0.30\n"), "");
   EXPECT_EQ(complaints("[Map]\nangRot=auto\n[Limit obstacle]\nangRot=auto\n"), "");
-  EXPECT_EQ(
-      complaints("[Map]\nangRot=0.3\n[Limit obstacle]\nangRot=0.26\n"),
-      "t.cfg:4: angRot = 0.26 in [Limit obstacle] but 0.3 in [Map] (line 2), must be the same in both, or in one of them only\n");
+  EXPECT_EQ(complaints("[Map]\nangRot=0.3\n[Limit obstacle]\nangRot=0.26\n"),
+            "t.cfg:4: angRot = 0.26 in [Limit obstacle] but 0.3 in [Map] (line 2), must be the same in both, or in one of them only\n");
   EXPECT_EQ(complaints("[Limit obstacle]\nangRot=auto\n[Map]\nangRot=0.26\n"),
             "t.cfg:4: angRot = 0.26 in [Map] but auto in [Limit obstacle] (line 2), must be the same in both, or in one of them "
             "only\n");
@@ -336,16 +332,13 @@ TEST_F(ConfigFile, angRot_twice_must_be_the_same) {
 TEST_F(ConfigFile, contradictions_are_refused_where_the_last_of_their_values_stands) {
   EXPECT_EQ(complaints("[Floor]\nanglefloorMax=0.5\nanglefloorMin=0.5\n"),
             "t.cfg:3: anglefloorMin = 0.5, must be less than anglefloorMax = 0.5\n");
-  EXPECT_EQ(complaints("[Floor]\nanglefloorMin=0.95\n"),
-            "t.cfg:2: anglefloorMin = 0.95, must be less than anglefloorMax = 0.9\n");
+  EXPECT_EQ(complaints("[Floor]\nanglefloorMin=0.95\n"), "t.cfg:2: anglefloorMin = 0.95, must be less than anglefloorMax = 0.9\n");
   EXPECT_EQ(complaints("[Floor]\nanglefloorMin=0.95\n", {"Floor.anglefloorMax=0.9"}),
             "--set Floor.anglefloorMax=0.9: anglefloorMin = 0.95, must be less than anglefloorMax = 0.9\n");
   EXPECT_EQ(complaints("[Map]\nrange=200\ncell=0.01\n"),
             "t.cfg:3: range = 200 m with cell = 0.01 m makes 20000 cells, must be from 1 to 4096\n");
-  EXPECT_EQ(complaints("[Map]\nwidth=0.5\ncell=2\n"),
-            "t.cfg:3: width = 0.5 m with cell = 2 m makes 0 cells, must be from 1 to 4096\n");
-  EXPECT_EQ(complaints("[image source]\nright=/r.avi\n"),
-            "t.cfg:2: right = /r.avi without left, must have the left images too\n");
+  EXPECT_EQ(complaints("[Map]\nwidth=0.5\ncell=2\n"), "t.cfg:3: width = 0.5 m with cell = 2 m makes 0 cells, must be from 1 to 4096\n");
+  EXPECT_EQ(complaints("[image source]\nright=/r.avi\n"), "t.cfg:2: right = /r.avi without left, must have the left images too\n");
   EXPECT_EQ(complaints("[image source]\nsource=files\n"),
             "t.cfg:2: source = files without left, must have left = a pattern, a glob or a video\n");
   EXPECT_NE(complaints("[image source]\nsource=files\nleft=/a.avi\nright=/a.avi\n"), "");

@@ -87,8 +87,7 @@ TEST(Parameters, set_changes_its_own_value_alone) {
     ASSERT_EQ(row.set(config, value), std::nullopt) << row.name() << " = " << value;
     for (const Parameter& other : parameters()) {
       const bool changed = other.get(config) != other.get(Config{});
-      EXPECT_EQ(changed, &other == &row || (other.key == "angRot" && row.key == "angRot"))
-          << other.name() << " by " << row.name();
+      EXPECT_EQ(changed, &other == &row || (other.key == "angRot" && row.key == "angRot")) << other.name() << " by " << row.name();
     }
   }
 }
