@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <opencv2/imgcodecs.hpp>
 #include <span>
@@ -52,10 +53,33 @@ bool jpeg_is_whole(Bytes jpeg) {
   return false;
 }
 
+/// PGM or PPM in binary: the header tells how much follows. (OpenCV would refuse it too, but with lines of its own on stderr.)
+bool pnm_is_whole(Bytes pnm) {
+  uint64_t header[3] = {0, 0, 0};  // width, height, greatest value
+  size_t at = 2;
+  for (uint64_t& number : header) {
+    while (at < pnm.size() && (std::isspace(pnm[at]) || pnm[at] == '#')) {
+      if (pnm[at] == '#')
+        while (at < pnm.size() && pnm[at] != '\n') ++at;
+      else ++at;
+    }
+    while (at < pnm.size() && std::isdigit(pnm[at]) && number < 1'000'000) number = number * 10 + (pnm[at++] - '0');
+  }
+  const uint64_t bytes = (pnm[1] == '6' ? 3 : 1) * (header[2] > 255 ? 2 : 1);
+  return header[2] > 0 && pnm.size() >= at + 1 + header[0] * header[1] * bytes;
+}
+
+/// Its size stands in the header; 0 where the writer did not care.
+bool bmp_is_whole(Bytes bmp) {
+  return bmp.size() >= 54 && bmp.size() >= (bmp[2] | bmp[3] << 8 | bmp[4] << 16 | uint32_t{bmp[5]} << 24);
+}
+
 bool is_whole(Bytes bytes) {
   if (begins(bytes, "\x89PNG\r\n\x1a\n")) return png_is_whole(bytes);
   if (begins(bytes, "\xff\xd8")) return jpeg_is_whole(bytes);
-  return true;  // the other formats have no end mark, and their decoders refuse half a file
+  if (begins(bytes, "P5") || begins(bytes, "P6")) return pnm_is_whole(bytes);
+  if (begins(bytes, "BM")) return bmp_is_whole(bytes);
+  return true;  // decoders of the other formats refuse half a file
 }
 
 /// Empty, or what is wrong with the file. Allocates only for a file larger than those before.
