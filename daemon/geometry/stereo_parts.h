@@ -1,0 +1,40 @@
+// stereo_parts.h: what a calibration file says, before it is checked and put together; inside this room only.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "daemon/geometry/calibration.h"
+
+namespace vdisp::calibration {
+
+/// In m and px, finite, matrices row-major and of the right size; unset where the file does not say. [0] is left, [1] right.
+struct StereoParts {
+  std::string format;
+  std::optional<std::array<int, 2>> size;  ///< width, height
+  std::optional<std::array<double, 9>> k[2];
+  std::optional<std::array<double, 8>> distortion[2];
+  std::optional<std::array<double, 9>> rotation;  ///< x_right = rotation x_left + translation
+  std::optional<std::array<double, 3>> translation;
+  std::optional<std::array<double, 9>> rectification[2];
+  std::optional<std::array<double, 12>> projection[2];
+  bool images_are_rectified = false;  ///< the file says that its images have been rectified already
+};
+
+/// `file` names the text in messages.
+StereoParts parse_opencv(const std::string& file, const std::string& text);
+StereoParts parse_svs(const std::string& file, const std::string& text);
+/// The pair cam0/sensor.yaml and cam1/sensor.yaml in `folder`.
+StereoParts read_euroc(const std::filesystem::path& folder);
+
+/// The text of a file of at most 1 MiB. Throws CalibrationError.
+std::string read_text(const std::filesystem::path& path);
+/// Throws CalibrationError "calibration FILE: WHAT".
+[[noreturn]] void refuse(const std::string& file, const std::string& what);
+/// A number for a message.
+std::string text(double number);
+
+}  // namespace vdisp::calibration
