@@ -19,14 +19,14 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, const Conf
   StereoSource& stereo = *source;
   const auto calibration = stereo.calibration();
 
-  const auto camera = driver.add({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+  const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, config), {camera[1]});
   const auto disparity = driver.add("disparity", make_unique<Disparity>(config), {left, right}, Need::always);
 
   if (config.main.detectors == "vdisparity") {
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
-    const auto floor = driver.add({"floor", "floor_model"}, make_unique<Floor>(config), {vdisparity}, Need::always);
+    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(config), {vdisparity}, Need::always);
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
     driver.add("map", make_unique<Map>(config), {disparity, limit, floor[1]}, Need::always);
 

@@ -40,7 +40,7 @@ std::string Driver::label(const Stage& stage) const {
   return text;
 }
 
-std::vector<Handle> Driver::add(std::vector<std::string> names, std::unique_ptr<ImageProcessor> processor, std::vector<Handle> inputs,
+std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_ptr<ImageProcessor> processor, std::vector<Handle> inputs,
                                 Need need) {
   Stage stage;
   stage.need = need;
@@ -83,7 +83,7 @@ std::vector<Handle> Driver::add(std::vector<std::string> names, std::unique_ptr<
 }
 
 Handle Driver::add(const std::string& name, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs, Need need) {
-  return add(std::vector{name}, std::move(stage), std::move(inputs), need).at(0);
+  return add_set({name}, std::move(stage), std::move(inputs), need).at(0);
 }
 
 void Driver::connect(const OutletFactory& outlet) {
