@@ -35,7 +35,7 @@ void Dump::finish_frame(const Driver& driver, const std::string& left, const std
   if (!current_) return;
   for (size_t i = 0; i < driver.topics().size(); ++i)
     current_->add_timing(driver.topics()[i].name, driver.timing({static_cast<int>(i)}).last_ns);
-  current_->finish(left, right);
+  current_->finish(fs::path(left).filename(), fs::path(right).filename());
   current_.reset();
   ++frame_;
 }

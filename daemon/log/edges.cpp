@@ -22,7 +22,12 @@ void Edges::edge(Subject& subject, const char* what, const Image& image) {
   }
   if (subject.lost == subject.told_lost || image.ready_ns - subject.told_ns < second) return;
   if (subject.lost) {
-    warn("{} lost at frame {}: {} ({} changes since the last message)", what, image.sequence, describe(image.reason), subject.untold);
+    if (subject.untold > 1) {
+      warn("{} lost at frame {}: {} (lost and found {} times since the last message)", what, image.sequence, describe(image.reason),
+           subject.untold / 2);
+    } else {
+      warn("{} lost at frame {}: {}", what, image.sequence, describe(image.reason));
+    }
   } else {
     info("{} found after {:.1f} s, at frame {}", what, static_cast<double>(image.ready_ns - subject.since_ns) * 1e-9, image.sequence);
   }

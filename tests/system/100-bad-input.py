@@ -1,0 +1,159 @@
+#!/usr/bin/python3
+"""100: bad input, the daemon alone: one clear line, the right exit code, nothing half-written.
+
+SPDX-License-Identifier: Apache-2.0
+"""
+import os
+import subprocess
+
+import cv2
+
+from programs import ProgramTest, isolated_main, run
+
+CALIBRATION = """%YAML:1.0
+---
+image_width: {width}
+image_height: 96
+P1: !!opencv-matrix
+   rows: 3
+   cols: 4
+   dt: d
+   data: [ {f}, 0., 80., 0., 0., {f}, 48., 0., 0., 0., 1., 0. ]
+P2: !!opencv-matrix
+   rows: 3
+   cols: 4
+   dt: d
+   data: [ {f}, 0., 80., {tx}, 0., {f}, 48., 0., 0., 0., 1., 0. ]
+"""
+
+
+class BadInput(ProgramTest):
+    def test_wrong_usage_is_64(self):
+        self.assert_refused(run("vdispd", "--nonsense"), 64, "--nonsense", "--help")
+        self.assert_refused(run("vdispd", "--frames", "-3"), 64, "--frames")
+
+    def test_all_complaints_about_a_configuration_come_at_once_and_it_ends_with_78(self):
+        path = self.write_config("[Floor]\niterRansac=99999\nitrRansac=5\n[Map]\nrange=abc\n")
+        result = run("vdispd", "-c", path, "--check-config")
+        self.assertEqual(result.returncode, 78)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 3, result.stderr)
+        self.assertIn("vdisp.cfg:10: iterRansac = 99999", result.stderr)
+        self.assertIn("iterRansac", lines[1])
+        self.assertIn("vdisp.cfg:13", lines[2])
+
+    def test_a_missing_configuration_is_66(self):
+        self.assert_refused(run("vdispd", "-c", self.folder / "none.cfg"), 66, "none.cfg")
+
+    def test_no_camera_is_69_and_names_the_simulator(self):
+        self.assert_refused(run("vdispd", "-c", self.write_config(source="auto")), 69, "--sim")
+
+    def test_no_images_are_66(self):
+        self.assert_refused(run("vdispd", "-c", self.write_config()), 66, str(self.folder))
+
+    def test_unreadable_calibration_is_78(self):
+        self.write_pairs()
+        (self.folder / "c.yml").write_text("%YAML:1.0\n---\nP1: [1, 2")
+        self.assert_refused(run("vdispd", "-c", self.write_config(f"paramfile={self.folder}/c.yml\n")), 78, "c.yml")
+        self.assert_refused(run("vdispd", "-c", self.write_config(f"paramfile={self.folder}/no.yml\n")), 78, "no.yml")
+
+    def test_contradictory_calibration_is_78(self):
+        self.write_pairs()
+        good = {"width": 160, "f": 100.0, "tx": -9.0}
+        for wrong, word in (({"f": -1.0}, "-1"), ({"tx": 0.0}, "baseline"), ({"tx": 9.0}, "baseline"), ({"width": 640}, "640")):
+            (self.folder / "c.yml").write_text(CALIBRATION.format(**{**good, **wrong}))
+            self.assert_refused(run("vdispd", "-c", self.write_config(f"paramfile={self.folder}/c.yml\n")), 78, word)
+        (self.folder / "c.yml").write_text(CALIBRATION.format(**good))
+        self.assertEqual(run("vdispd", "-c", self.write_config(f"paramfile={self.folder}/c.yml\n")).returncode, 0)
+
+    def test_images_of_another_size_than_configured_are_78(self):
+        self.write_pairs()
+        self.assert_refused(run("vdispd", "-c", self.write_config("width=640\nheight=480\n")), 78, "160x96", "640x480")
+
+    def test_more_disparities_than_columns_are_78(self):
+        self.write_pairs(width=60)
+        self.assert_refused(run("vdispd", "-c", self.write_config(), "--set", "image source.ndisp=64"), 78, "60 columns", "ndisp")
+
+    def test_a_bad_pair_is_counted_and_blind_and_the_run_goes_on(self):
+        self.write_pairs(6)
+        (self.folder / "right" / "000001.png").unlink()
+        whole = (self.folder / "left" / "000002.png").read_bytes()
+        (self.folder / "left" / "000002.png").write_bytes(whole[: len(whole) // 2])
+        cv2.imwrite(str(self.folder / "left" / "000003.png"), cv2.imread(str(self.folder / "left" / "000000.png"))[:50])
+        (self.folder / "left" / "000004.png").write_bytes(b"no image at all")
+        dump = self.folder / "dump"
+        result = run("vdispd", "-c", self.write_config(), "--dump", dump)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("6 steps, 4 blind", result.stderr)
+        for i, valid in enumerate((True, False, False, False, False, True)):
+            frame = self.frame(dump, i)
+            self.assertEqual(frame["stages"]["disparity"]["valid"], valid, i)
+            self.assertEqual(frame["sequence"], i)
+            if not valid:
+                self.assertEqual((frame["valid"], frame["reason"]), (False, "bad_pair"))
+                self.assertFalse(frame["stages"]["map"]["valid"])
+                self.assertFalse((dump / f"{i:06d}" / "disparity.png").exists())
+
+    def test_without_calibration_disparity_and_floor_line_are_given_and_metres_are_blind(self):
+        self.write_pairs()
+        dump = self.folder / "dump"
+        self.assertEqual(run("vdispd", "-c", self.write_config(), "--dump", dump).returncode, 0)
+        stages = self.frame(dump, 0)["stages"]
+        self.assertTrue(stages["disparity"]["valid"] and stages["vdisparity"]["valid"])
+        for stage in ("limit", "height", "map"):
+            self.assertFalse(stages[stage]["valid"])
+
+    def test_a_read_only_folder_is_73_and_nothing_is_written(self):
+        self.write_pairs()
+        os.makedirs(self.folder / "ro")
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "ro", "none", self.folder / "ro"], check=True)
+        self.addCleanup(subprocess.run, ["umount", self.folder / "ro"])
+        self.assert_refused(run("vdispd", "-c", self.write_config(), "--dump", self.folder / "ro" / "d"), 73, "ro/d")
+
+    def test_a_full_disk_is_74_and_only_whole_frames_remain(self):
+        self.write_pairs(50)
+        os.makedirs(self.folder / "small")
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "none", self.folder / "small"], check=True)
+        self.addCleanup(subprocess.run, ["umount", self.folder / "small"])
+        dump = self.folder / "small" / "d"
+        self.assert_refused(run("vdispd", "-c", self.write_config(), "--dump", dump), 74, "No space left")
+        left = sorted(p.name for p in dump.iterdir())
+        self.assertGreater(len(left), 1)
+        self.assertEqual(left, [f"{i:06d}" for i in range(len(left))])
+        for i in range(len(left)):
+            self.assertTrue(self.frame(dump, i)["valid"])
+
+    def test_a_folder_with_another_run_is_refused(self):
+        self.write_pairs()
+        config = self.write_config()
+        self.assertEqual(run("vdispd", "-c", config, "--dump", self.folder / "d").returncode, 0)
+        self.assert_refused(run("vdispd", "-c", config, "--dump", self.folder / "d"), 73, "empty folder")
+
+    def test_a_video_that_ends_ends_the_run_with_0(self):
+        size = (320, 96)
+        video = cv2.VideoWriter(str(self.folder / "v.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 10, size)
+        self.write_pairs(4)
+        for i in range(4):
+            views = [cv2.imread(str(self.folder / side / f"{i:06d}.png")) for side in ("left", "right")]
+            video.write(cv2.hconcat(views))
+        video.release()
+        config = self.folder / "video.cfg"
+        config.write_text(f"[main]\nmiddleware=none\n[image source]\nsource=files\nndisp=32\nleft={self.folder}/v.avi\n")
+        result = run("vdispd", "-c", config)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("4 steps, 0 blind", result.stderr)
+
+    def test_two_runs_give_the_same_bytes(self):
+        self.write_pairs(4)
+        config = self.write_config()
+        for name in ("a", "b"):
+            self.assertEqual(run("vdispd", "-c", config, "--dump", self.folder / name).returncode, 0)
+        result = subprocess.run(["diff", "-r", "-x", "timing.json", self.folder / "a", self.folder / "b"], capture_output=True)
+        self.assertEqual(result.returncode, 0, result.stdout.decode())
+
+    def test_frames_ends_the_run_after_so_many(self):
+        self.write_pairs(5)
+        self.assertIn("2 steps", run("vdispd", "-c", self.write_config(), "--frames", 2).stderr)
+
+
+isolated_main()
