@@ -121,7 +121,7 @@ class BadInput(ProgramTest):
         self.assertGreater(len(left), 1)
         self.assertEqual(left, [f"{i:06d}" for i in range(len(left))])
         for i in range(len(left)):
-            self.assertTrue(self.frame(dump, i)["valid"])
+            self.assertTrue(self.frame(dump, i)["stages"]["disparity"]["valid"])
 
     def test_a_folder_with_another_run_is_refused(self):
         self.write_pairs()
