@@ -42,8 +42,7 @@ StereoParts parse(const std::filesystem::path& path) {
       refuse(file, "is one camera of EuRoC's in a folder " + camera + "; needed are cam0/sensor.yaml and cam1/sensor.yaml");
     return read_euroc(path.parent_path() / "..");
   }
-  if (begins(content, "%YAML") || begins(content, "<?xml") || contains(content, "opencv-matrix"))
-    return parse_opencv(file, content);
+  if (begins(content, "%YAML") || begins(content, "<?xml") || contains(content, "opencv-matrix")) return parse_opencv(file, content);
   refuse(file, "of no known format; needed is an OpenCV YAML or XML file, an SVS .ini or a EuRoC sensor.yaml");
 }
 
@@ -59,8 +58,7 @@ void check_rotation(const std::string& file, const std::string& which, const std
   const cv::Matx33d r(values.data());
   const double error = cv::norm(r * r.t() - cv::Matx33d::eye(), cv::NORM_INF);
   if (error > 1e-3 || cv::determinant(r) < 0)
-    refuse(file,
-           which + " is no rotation (R R' differs from 1 by " + text(error) + ", determinant " + text(cv::determinant(r)) + ")");
+    refuse(file, which + " is no rotation (R R' differs from 1 by " + text(error) + ", determinant " + text(cv::determinant(r)) + ")");
 }
 
 void check_camera(const std::string& file, const std::string& which, const StereoParts& parts, const std::array<double, 9>& k) {
@@ -77,11 +75,10 @@ void check_camera(const std::string& file, const std::string& which, const Stere
 void check_baseline(const std::string& file, double baseline) {
   if (std::abs(baseline) < 1e-4) refuse(file, "no baseline (" + text(baseline) + " m); needed is the distance of the cameras");
   if (baseline < 0)
-    refuse(file,
-           "the right camera lies left of the left one (baseline " + text(baseline) + " m); needed is left and right exchanged");
+    refuse(file, "the right camera lies left of the left one (baseline " + text(baseline) + " m); needed is left and right exchanged");
   if (baseline > longest_baseline)
-    refuse(file, "baseline is " + text(baseline) + " m, at most " + text(longest_baseline) +
-                     " is likely; needed are metres, not millimetres");
+    refuse(file,
+           "baseline is " + text(baseline) + " m, at most " + text(longest_baseline) + " is likely; needed are metres, not millimetres");
 }
 
 void check_projection(const std::string& file, const std::string& which, const std::array<double, 12>& p) {
@@ -107,8 +104,7 @@ StereoView rectified_view(const std::string& file, const StereoParts& parts) {
   if (parts.size) {
     const double w = (*parts.size)[0], h = (*parts.size)[1];
     if (view.cx < -w || view.cx > 2 * w || view.cy < -h || view.cy > 2 * h)
-      refuse(file, "optical centre " + text(view.cx) + ", " + text(view.cy) + " is far outside the image of " + text(w) + "x" +
-                       text(h));
+      refuse(file, "optical centre " + text(view.cx) + ", " + text(view.cy) + " is far outside the image of " + text(w) + "x" + text(h));
   }
   return view;
 }
@@ -143,8 +139,8 @@ void check_agreement(const std::string& file, const StereoParts& parts, const St
   if (!parts.translation) return;
   const double distance = cv::norm(cv::Vec3d(parts.translation->data()));
   if (std::abs(distance - view.baseline) > 0.02 * view.baseline)
-    refuse(file, "baseline is " + text(view.baseline) + " m by the projection and " + text(distance) +
-                     " m by the translation; needed is one");
+    refuse(file,
+           "baseline is " + text(view.baseline) + " m by the projection and " + text(distance) + " m by the translation; needed is one");
 }
 
 uint64_t hash(const Calibration& c) {
@@ -153,8 +149,8 @@ uint64_t hash(const Calibration& c) {
     const auto bits = std::bit_cast<uint64_t>(value + 0.0);  // -0 is 0
     for (int shift = 0; shift < 64; shift += 8) h = (h ^ (bits >> shift & 255)) * 0x100000001b3;
   };
-  for (double value : {static_cast<double>(c.width), static_cast<double>(c.height), c.view.f, c.view.cx, c.view.cy,
-                       c.view.baseline, c.view.cx_offset})
+  for (double value :
+       {static_cast<double>(c.width), static_cast<double>(c.height), c.view.f, c.view.cx, c.view.cy, c.view.baseline, c.view.cx_offset})
     add(value);
   if (!c.raw) return h;
   for (const RawCamera& camera : *c.raw) {
@@ -169,10 +165,8 @@ uint64_t hash(const Calibration& c) {
 void check_raw(const std::string& file, StereoParts& parts) {
   for (int i : {0, 1}) {
     if (!parts.k[i])
-      refuse(file,
-             std::string("has a matrix of the ") + side[1 - i] + " camera but none of the " + side[i] + " one; needed are both");
-    if (!parts.distortion[i])
-      refuse(file, std::string("has no distortion of the ") + side[i] + " camera; needed beside its matrix");
+      refuse(file, std::string("has a matrix of the ") + side[1 - i] + " camera but none of the " + side[i] + " one; needed are both");
+    if (!parts.distortion[i]) refuse(file, std::string("has no distortion of the ") + side[i] + " camera; needed beside its matrix");
     check_camera(file, side[i], parts, *parts.k[i]);
   }
   const bool complete = parts.rectification[0] && parts.rectification[1] && parts.projection[0] && parts.projection[1];
@@ -181,8 +175,8 @@ void check_raw(const std::string& file, StereoParts& parts) {
     check_rotation(file, std::string("rectification of the ") + side[i] + " camera", *parts.rectification[i]);
     const double f = (*parts.k[i])[0], rectified = (*parts.projection[i])[0];
     if (rectified > 0 && (f < rectified / 4 || f > rectified * 4))
-      refuse(file, std::string(side[i]) + " camera: f is " + text(f) + " raw and " + text(rectified) +
-                       " rectified; needed are pixels in both");
+      refuse(file,
+             std::string(side[i]) + " camera: f is " + text(f) + " raw and " + text(rectified) + " rectified; needed are pixels in both");
   }
 }
 
@@ -217,8 +211,7 @@ std::string read_text(const std::filesystem::path& path) {
   std::string content(1 << 20, '\0');
   in.read(content.data(), static_cast<std::streamsize>(content.size()));
   if (in.bad()) refuse(path.string(), "cannot be read: " + std::generic_category().message(errno));
-  if (in.gcount() == static_cast<std::streamsize>(content.size()))
-    refuse(path.string(), "is larger than 1 MiB: no calibration file");
+  if (in.gcount() == static_cast<std::streamsize>(content.size())) refuse(path.string(), "is larger than 1 MiB: no calibration file");
   content.resize(static_cast<size_t>(in.gcount()));
   if (content.empty()) refuse(path.string(), "is empty; needed is a calibration");
   if (content.find('\0') != std::string::npos)

@@ -48,8 +48,7 @@ class Ini {
   }
   double number(const std::string& key) const {
     if (!has(key))
-      refuse(file_,
-             "no '" + key.substr(key.find('/') + 1) + "' in [" + key.substr(0, key.find('/')) + "]; needed for the cameras");
+      refuse(file_, "no '" + key.substr(key.find('/') + 1) + "' in [" + key.substr(0, key.find('/')) + "]; needed for the cameras");
     return number(key, 0);
   }
   template <size_t n>
@@ -130,8 +129,7 @@ class Ini {
       values.push_back(parse(key, word));
     }
     if (words >> word)
-      refuse_line("a row of '" + key + "' goes on with '" + word.substr(0, 20) + "', needed are " + std::to_string(columns) +
-                  " numbers");
+      refuse_line("a row of '" + key + "' goes on with '" + word.substr(0, 20) + "', needed are " + std::to_string(columns) + " numbers");
   }
 
   double parse(const std::string& key, std::string_view word) const {
@@ -200,15 +198,14 @@ StereoParts parse_svs(const std::string& file, const std::string& content) {
   cv::Matx33d rotation;
   cv::Rodrigues(vector, rotation);
   std::copy_n(rotation.val, 9, parts.rotation.emplace().begin());
-  parts.translation = {ini.number("external/tx") / 1000, ini.number("external/ty", 0) / 1000,
-                       ini.number("external/tz", 0) / 1000};
+  parts.translation = {ini.number("external/tx") / 1000, ini.number("external/ty", 0) / 1000, ini.number("external/tz", 0) / 1000};
 
+  // Of the images the file belongs to. Someone who has raw images of that camera sets it to 0.
   parts.images_are_rectified = ini.number("image/rectified", 0) != 0;
   const bool all = parts.rectification[0] && parts.rectification[1] && parts.projection[0] && parts.projection[1];
   if (ini.number("image/have_rect", all ? 1 : 0) == 0) {
     for (int i : {0, 1}) parts.rectification[i].reset(), parts.projection[i].reset();
-    if (parts.images_are_rectified)
-      refuse(file, "rectified is 1 but have_rect is 0; needed are proj and rect of rectified images");
+    if (parts.images_are_rectified) refuse(file, "rectified is 1 but have_rect is 0; needed are proj and rect of rectified images");
   } else if (!all) {
     refuse(file, "have_rect is 1 but proj or rect of a camera is missing; needed are both of both");
   }

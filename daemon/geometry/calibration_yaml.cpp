@@ -47,8 +47,7 @@ class Sheet {
     const cv::FileNode node = find(names, &name);
     if (node.empty()) return {};
     const cv::FileNode data = node.isMap() ? node["data"] : node;
-    if (!data.isSeq() || data.size() == 0)
-      refuse(file_, name + " is no matrix; needed is rows, cols and data, or a list of numbers");
+    if (!data.isSeq() || data.size() == 0) refuse(file_, name + " is no matrix; needed is rows, cols and data, or a list of numbers");
     std::vector<double> values;
     for (const cv::FileNode& item : data) {
       if (!item.isReal() && !item.isInt()) refuse(file_, name + " holds something that is no number");
@@ -60,8 +59,8 @@ class Sheet {
       r = whole(node["rows"], name + " rows");
       c = whole(node["cols"], name + " cols");
       if (static_cast<size_t>(r) * c != values.size())
-        refuse(file_, name + " has " + std::to_string(values.size()) + " numbers, needed are " + std::to_string(r) + "x" +
-                          std::to_string(c));
+        refuse(file_,
+               name + " has " + std::to_string(values.size()) + " numbers, needed are " + std::to_string(r) + "x" + std::to_string(c));
     }
     if (rows) *rows = r;
     if (cols) *cols = c;
@@ -91,11 +90,9 @@ class Sheet {
     const std::vector<double> values = numbers(names);
     if (values.empty()) return {};
     find(names, &name);
-    const bool padded =
-        values.size() > 8 && std::all_of(values.begin() + 8, values.end(), [](double value) { return value == 0; });
+    const bool padded = values.size() > 8 && std::all_of(values.begin() + 8, values.end(), [](double value) { return value == 0; });
     if (values.size() != 4 && values.size() != 5 && values.size() != 8 && !padded)
-      refuse(file_,
-             name + " has " + std::to_string(values.size()) + " coefficients, needed are 4, 5 or 8 (k1 k2 p1 p2 k3 k4 k5 k6)");
+      refuse(file_, name + " has " + std::to_string(values.size()) + " coefficients, needed are 4, 5 or 8 (k1 k2 p1 p2 k3 k4 k5 k6)");
     std::array<double, 8> result{};
     std::copy_n(values.begin(), std::min<size_t>(values.size(), 8), result.begin());
     return result;
@@ -115,8 +112,7 @@ class Sheet {
 std::optional<std::array<int, 2>> image_size(const Sheet& sheet) {
   const cv::FileNode width = sheet.find({"image_width", "imageWidth", "image_Width"}),
                      height = sheet.find({"image_height", "imageHeight", "image_Height"});
-  if (!width.empty() && !height.empty())
-    return std::array{sheet.whole(width, "image_width"), sheet.whole(height, "image_height")};
+  if (!width.empty() && !height.empty()) return std::array{sheet.whole(width, "image_width"), sheet.whole(height, "image_height")};
   if (width.empty() != height.empty()) refuse(sheet.file(), "has one of image_width and image_height; needed are both");
   const auto size = sheet.matrix<2>({"image_size", "imageSize", "size"}, 2, 1);
   if (!size) return {};

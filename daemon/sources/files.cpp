@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <variant>
 
+#include "daemon/core/clock.h"
 #include "daemon/sources/pair_readers.h"
 
 namespace vdisp {
@@ -56,6 +57,7 @@ class FilesSource final : public StereoSource {
   int64_t taken_ = 0;  ///< pairs since the start
   int64_t loops_ = 0;
   bool bad_ = false;
+  int64_t told_ns_ = INT64_MIN / 2;
 };
 
 FilesSource::Pairs FilesSource::open_pairs() const {
@@ -65,8 +67,8 @@ FilesSource::Pairs FilesSource::open_pairs() const {
   const NameForm form = form_of(left);
   for (const std::string* name : {&left, &right}) {
     if (std::error_code error; !name->empty() && std::filesystem::is_directory(*name, error))
-      throw SourceError(78, "[image source] " + *name +
-                                " is a folder; needed are its images: " + (std::filesystem::path(*name) / "*.png").string());
+      throw SourceError(
+          78, "[image source] " + *name + " is a folder; needed are its images: " + (std::filesystem::path(*name) / "*.png").string());
   }
   if (!right.empty() && form_of(right) != form)
     throw SourceError(78, "[image source] left = " + left + " is " + describe(form) + ", right = " + right + " is " +
@@ -78,12 +80,10 @@ FilesSource::Pairs FilesSource::open_pairs() const {
   }
   for (const std::string* name : {&left, &right}) {
     if (std::error_code error; !name->empty() && !std::filesystem::exists(*name, error))
-      throw SourceError(
-          66, "[image source] " + *name + ": no such file; needed is an image, a video, a pattern (%06d) or a glob (*)");
+      throw SourceError(66, "[image source] " + *name + ": no such file; needed is an image, a video, a pattern (%06d) or a glob (*)");
   }
   if (!cv::haveImageReader(left)) return VideoPairs(left, right);
-  if (right.empty())
-    throw SourceError(78, "[image source] right is empty; only a video may hold both views, " + left + " is an image");
+  if (right.empty()) throw SourceError(78, "[image source] right is empty; only a video may hold both views, " + left + " is an image");
   return ImagePairs(list_pairs(left, right));
 }
 
@@ -116,16 +116,15 @@ cv::Size FilesSource::first_size() {
 void FilesSource::check_size(const cv::Size& size) const {
   const std::string found = size_text(size.width, size.height);
   if (size.width > largest || size.height > largest)
-    throw SourceError(78, "[image source] left = " + settings_.left + ": images are " + found + ", at most " +
-                              size_text(largest, largest) + " can be");
+    throw SourceError(
+        78, "[image source] left = " + settings_.left + ": images are " + found + ", at most " + size_text(largest, largest) + " can be");
   if ((settings_.width != 0 && settings_.width != size.width) || (settings_.height != 0 && settings_.height != size.height))
-    throw SourceError(78, "[image source] left = " + settings_.left + ": images are " + found +
-                              ", needed by width and height is " +
-                              size_text(settings_.width != 0 ? settings_.width : size.width,
-                                        settings_.height != 0 ? settings_.height : size.height));
+    throw SourceError(
+        78, "[image source] left = " + settings_.left + ": images are " + found + ", needed by width and height is " +
+                size_text(settings_.width != 0 ? settings_.width : size.width, settings_.height != 0 ? settings_.height : size.height));
   if (calibration_ && calibration_->width != 0 && (calibration_->width != size.width || calibration_->height != size.height))
-    throw SourceError(78, "[image source] left = " + settings_.left + ": images are " + found + ", the calibration " +
-                              settings_.paramfile + " is for " + size_text(calibration_->width, calibration_->height));
+    throw SourceError(78, "[image source] left = " + settings_.left + ": images are " + found + ", the calibration " + settings_.paramfile +
+                              " is for " + size_text(calibration_->width, calibration_->height));
 }
 
 PairRead FilesSource::next() {
@@ -171,9 +170,13 @@ bool FilesSource::fill(std::span<Image* const> out) noexcept {
       pairs_);
 }
 
-/// One line when pairs begin to be bad; counters tell the rest.
+/// One line when pairs begin to be bad, at most one a second; counters tell the rest.
 void FilesSource::report(bool good, const char* problem) noexcept {
-  if (!good && !bad_) std::fprintf(stderr, "files: pair %lld is bad: %s\n", static_cast<long long>(taken_), problem);
+  const int64_t now = monotonic_ns();
+  if (!good && !bad_ && now - told_ns_ >= 1'000'000'000) {
+    std::fprintf(stderr, "files: pair %lld is bad: %s\n", static_cast<long long>(taken_), problem);
+    told_ns_ = now;
+  }
   bad_ = !good;
 }
 
@@ -193,8 +196,7 @@ Outcome FilesSource::grab(std::span<Image* const> out) noexcept {
   }
   if (read == PairRead::end) return Outcome::end;
   const bool good = read == PairRead::good && fill(out);
-  if (read == PairRead::good && !good)
-    problem = "another size than " + size_text(spec_.width, spec_.height) + ", that of the first pair";
+  if (read == PairRead::good && !good) problem = "another size than " + size_text(spec_.width, spec_.height) + ", that of the first pair";
   report(good, problem.c_str());
   for (Image* image : out) {
     image->timestamp_ns = timestamp_ns();

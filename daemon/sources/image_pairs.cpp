@@ -61,7 +61,8 @@ bool pnm_is_whole(Bytes pnm) {
     while (at < pnm.size() && (std::isspace(pnm[at]) || pnm[at] == '#')) {
       if (pnm[at] == '#')
         while (at < pnm.size() && pnm[at] != '\n') ++at;
-      else ++at;
+      else
+        ++at;
     }
     while (at < pnm.size() && std::isdigit(pnm[at]) && number < 1'000'000) number = number * 10 + (pnm[at++] - '0');
   }
@@ -70,9 +71,7 @@ bool pnm_is_whole(Bytes pnm) {
 }
 
 /// Its size stands in the header; 0 where the writer did not care.
-bool bmp_is_whole(Bytes bmp) {
-  return bmp.size() >= 54 && bmp.size() >= (bmp[2] | bmp[3] << 8 | bmp[4] << 16 | uint32_t{bmp[5]} << 24);
-}
+bool bmp_is_whole(Bytes bmp) { return bmp.size() >= 54 && bmp.size() >= (bmp[2] | bmp[3] << 8 | bmp[4] << 16 | uint32_t{bmp[5]} << 24); }
 
 bool is_whole(Bytes bytes) {
   if (begins(bytes, "\x89PNG\r\n\x1a\n")) return png_is_whole(bytes);
@@ -117,6 +116,8 @@ bool ImagePairs::read(const std::string& file, cv::Mat& decoded, cv::Mat& gray) 
   if (why.empty() && !is_whole(bytes_)) why = "is truncated";
   if (why.empty()) {
     try {
+      // A refused file would leave the picture before it.
+      decoded.release();
       // Pixels as the camera saw them: a calibration knows nothing of an orientation tag.
       cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION, &decoded);
       if (decoded.empty())

@@ -57,12 +57,11 @@ std::string what_is_there(const fs::path& folder) {
   if (!fs::exists(place, error)) return "there is no folder " + place.string();
   if (!fs::is_directory(place, error)) return place.string() + " is no folder";
   std::set<std::string, NaturalLess> names;
-  for (fs::directory_iterator i(place, error), end; !error && i != end; i.increment(error))
-    names.insert(i->path().filename().string());
+  for (fs::directory_iterator i(place, error), end; !error && i != end; i.increment(error)) names.insert(i->path().filename().string());
   if (error) return "the folder " + place.string() + " cannot be read: " + error.message();
   if (names.empty()) return "the folder " + place.string() + " is empty";
-  return "the folder " + place.string() + " holds " + std::to_string(names.size()) +
-         (names.size() == 1 ? " name: " : " names, first ") + *names.begin();
+  return "the folder " + place.string() + " holds " + std::to_string(names.size()) + (names.size() == 1 ? " name: " : " names, first ") +
+         *names.begin();
 }
 
 /// A name with one number in it, in any part of the path.
@@ -98,15 +97,14 @@ class Pattern {
       std::error_code ignored;
       if (number >= 0 && (rest.empty() || fs::exists(i->path().string() + rest, ignored))) found.insert(number);
     }
-    if (found.empty())
-      throw SourceError(66, "[image source] " + key_ + " = " + text_ + ": no such image; " + what_is_there(folder));
+    if (found.empty()) throw SourceError(66, "[image source] " + key_ + " = " + text_ + ": no such image; " + what_is_there(folder));
     return found;
   }
 
  private:
   [[noreturn]] void refuse() const {
-    throw SourceError(
-        78, "[image source] " + key_ + " = " + text_ + ": not a pattern; needed is one number, %d or like %06d, and no other %");
+    throw SourceError(78,
+                      "[image source] " + key_ + " = " + text_ + ": not a pattern; needed is one number, %d or like %06d, and no other %");
   }
   std::string digits(int64_t number) const {
     std::string result = std::to_string(number);
@@ -132,8 +130,8 @@ std::vector<PairName> list_patterns(const std::string& left, const std::string& 
   numbers.merge(b.numbers());
   const int64_t first = *numbers.begin(), last = *numbers.rbegin();
   if ((last - first) / 10 > static_cast<int64_t>(numbers.size()) + 100)
-    throw SourceError(78, "[image source] left = " + left + ": numbers run from " + std::to_string(first) + " to " +
-                              std::to_string(last) + " but only " + std::to_string(numbers.size()) +
+    throw SourceError(78, "[image source] left = " + left + ": numbers run from " + std::to_string(first) + " to " + std::to_string(last) +
+                              " but only " + std::to_string(numbers.size()) +
                               " are there; needed is a glob (*) for names that are not counted");
   std::vector<PairName> pairs;
   for (int64_t number = first; number <= last; ++number) pairs.push_back({a.name(number), b.name(number)});
@@ -180,8 +178,8 @@ std::vector<PairName> list_globs(const std::string& left, const std::string& rig
     return pairs;
   }
   if (a.files.size() != b.files.size())
-    throw SourceError(78, "[image source] left = " + left + " matches " + std::to_string(a.files.size()) +
-                              " images, right = " + right + " " + std::to_string(b.files.size()) +
+    throw SourceError(78, "[image source] left = " + left + " matches " + std::to_string(a.files.size()) + " images, right = " + right +
+                              " " + std::to_string(b.files.size()) +
                               ", and their names do not agree; needed are as many or the same names");
   for (auto l = a.files.begin(), r = b.files.begin(); l != a.files.end(); ++l, ++r) pairs.push_back({l->second, r->second});
   return pairs;

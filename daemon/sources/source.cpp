@@ -19,8 +19,7 @@ std::vector<std::string> camera_devices() {
   for (std::filesystem::directory_iterator i("/dev", error), end; !error && i != end; i.increment(error)) {
     const std::string name = i->path().filename().string();
     for (const std::string_view kind : {"video", "fw"})
-      if (name.starts_with(kind) && name.size() > kind.size() &&
-          name.find_first_not_of("0123456789", kind.size()) == std::string::npos)
+      if (name.starts_with(kind) && name.size() > kind.size() && name.find_first_not_of("0123456789", kind.size()) == std::string::npos)
         found.push_back(i->path().string());
   }
   std::sort(found.begin(), found.end());

@@ -25,12 +25,11 @@ void to_gray(const cv::Mat& frame, cv::Mat& gray) {
 VideoPairs::VideoPairs(std::string left, std::string right) : files_{std::move(left), std::move(right)} {
   open();
   if (!read())
-    throw SourceError(
-        66, "[image source] " + files_[0] + (files_[1].empty() ? "" : " or " + files_[1]) + ": a video without a first frame");
+    throw SourceError(66,
+                      "[image source] " + files_[0] + (files_[1].empty() ? "" : " or " + files_[1]) + ": a video without a first frame");
   size_ = colour_[0].size();
   if (files_[1].empty() && size_.width % 2 != 0)
-    throw SourceError(
-        78, "[image source] left = " + files_[0] + " is " + size_text(size_) + "; two views side by side need an even width");
+    throw SourceError(78, "[image source] left = " + files_[0] + " is " + size_text(size_) + "; two views side by side need an even width");
   if (!files_[1].empty() && colour_[1].size() != size_)
     throw SourceError(78, "[image source] left = " + files_[0] + " is " + size_text(size_) + ", right = " + files_[1] + " is " +
                               size_text(colour_[1].size()) + "; needed is one size");
@@ -64,8 +63,7 @@ void VideoPairs::warn_of_end(bool left_ended, bool right_ended) {
   if (!one_ended && !(promised > static_cast<double>(next_) + 1)) return;
   warned_ = true;
   std::fprintf(stderr, "files: %s ends after %zu frames%s%s\n", files_[ended].c_str(), next_,
-               promised > static_cast<double>(next_) + 1 ? ", fewer than its header says" : "",
-               one_ended ? ", before the other view" : "");
+               promised > static_cast<double>(next_) + 1 ? ", fewer than its header says" : "", one_ended ? ", before the other view" : "");
 }
 
 PairRead VideoPairs::next() {

@@ -54,9 +54,10 @@ const std::string p1 = matrix("P1", 3, 4, "500., 0., 320., 0., 0., 500., 240., 0
 const std::string p2 = matrix("P2", 3, 4, "500., 0., 310., -45., 0., 500., 240., 0., 0., 0., 1., 0.");
 const std::string rectified = head + p1 + p2;
 
-const std::string raw = head + matrix("M1", 3, 3, "500., 0., 320., 0., 502., 240., 0., 0., 1.") + matrix("D1", 1, 5, "-0.2, 0.05, 0., 0., 0.") +
-                        matrix("M2", 3, 3, "501., 0., 322., 0., 503., 238., 0., 0., 1.") + matrix("D2", 1, 5, "-0.2, 0.05, 0., 0., 0.") +
-                        matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") + matrix("T", 3, 1, "-0.12, 0., 0.");
+const std::string raw = head + matrix("M1", 3, 3, "500., 0., 320., 0., 502., 240., 0., 0., 1.") +
+                        matrix("D1", 1, 5, "-0.2, 0.05, 0., 0., 0.") + matrix("M2", 3, 3, "501., 0., 322., 0., 503., 238., 0., 0., 1.") +
+                        matrix("D2", 1, 5, "-0.2, 0.05, 0., 0., 0.") + matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") +
+                        matrix("T", 3, 1, "-0.12, 0., 0.");
 
 const std::string svs = R"(# SVS Engine v 4.0 Stereo Camera Parameter File
 
@@ -151,7 +152,8 @@ TEST_F(Calibrations, raw_cameras_are_rectified_with_equal_centres) {
 
 TEST_F(Calibrations, stereo_calib_file_with_everything_uses_its_own_rectification) {
   const std::string identity = "1., 0., 0., 0., 1., 0., 0., 0., 1.";
-  const Calibration c = read_calibration(file(replaced(raw, "-0.12", "-0.09") + matrix("R1", 3, 3, identity) + matrix("R2", 3, 3, identity) + p1 + p2));
+  const Calibration c =
+      read_calibration(file(replaced(raw, "-0.12", "-0.09") + matrix("R1", 3, 3, identity) + matrix("R2", 3, 3, identity) + p1 + p2));
   ASSERT_TRUE(c.raw);
   EXPECT_DOUBLE_EQ(c.view.cx_offset, 10);
   EXPECT_DOUBLE_EQ((*c.raw)[0].rectification[0], 1);
@@ -192,7 +194,9 @@ TEST_F(Calibrations, contradictions_of_raw_cameras_are_refused) {
   EXPECT_REFUSED(file(replaced(raw, "M2", "X2")), "right one");
   EXPECT_REFUSED(file(replaced(raw, "D1", "X1")), "distortion of the left");
   EXPECT_REFUSED(file(replaced(raw, "T:", "X:")), "R and T");
-  EXPECT_REFUSED(file(replaced(raw, "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1.", "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 2.")), "no rotation");
+  EXPECT_REFUSED(file(replaced(raw, "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1.",
+                               "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 2.")),
+                 "no rotation");
   EXPECT_REFUSED(file(replaced(replaced(raw, "image_width: 640\n", ""), "image_height: 480\n", "")), "image size");
   const std::string identity = "1., 0., 0., 0., 1., 0., 0., 0., 1.";
   EXPECT_REFUSED(file(raw + matrix("R1", 3, 3, identity) + matrix("R2", 3, 3, identity) + p1 + p2), "by the translation");
@@ -286,10 +290,13 @@ TEST_F(Calibrations, svs_rotation_vector_and_rect_mean_the_same_as_here) {
 }
 
 TEST(CalibrationData, rectified_sets_have_their_baselines) {
-  const struct { const char* name; double f, baseline; } sets[] = {{"kitti_street", 707.0912, 0.53715},
-                                                                   {"kitti_lidar/000001", 721.5377, 0.53272},
-                                                                   {"rover_minnie/rectified", 339.532, 0.27030},
-                                                                   {"robot_indoor", 567.2, 0.092226}};
+  const struct {
+    const char* name;
+    double f, baseline;
+  } sets[] = {{"kitti_street", 707.0912, 0.53715},
+              {"kitti_lidar/000001", 721.5377, 0.53272},
+              {"rover_minnie/rectified", 339.532, 0.27030},
+              {"robot_indoor", 567.2, 0.092226}};
   for (const auto& set : sets) {
     NEEDS(data / set.name / "calibration.yml");
     const Calibration c = read_calibration(data / set.name / "calibration.yml");

@@ -103,11 +103,11 @@ class Files : public ::testing::Test {
   }
   TemporaryFolder folder_;
 };
-#define EXPECT_REFUSED(config, code, word)                                            \
-  do {                                                                                \
-    const std::string said = refusal(config);                                         \
-    EXPECT_TRUE(said.starts_with(code)) << "said: " << said;                          \
-    EXPECT_NE(said.find(word), std::string::npos) << "said: " << said;                \
+#define EXPECT_REFUSED(config, code, word)                             \
+  do {                                                                 \
+    const std::string said = refusal(config);                          \
+    EXPECT_TRUE(said.starts_with(code)) << "said: " << said;           \
+    EXPECT_NE(said.find(word), std::string::npos) << "said: " << said; \
   } while (false)
 
 TEST_F(Files, numbered_pairs_come_in_order_and_end) {
@@ -130,19 +130,32 @@ TEST_F(Files, the_number_may_stand_in_a_folder_name) {
 
 TEST_F(Files, bad_pairs_are_invalid_and_the_run_goes_on) {
   for (int i = 0; i < 8; ++i) pair(i, cv::format("%06d.png", i));
-  std::filesystem::remove(folder_ / "left/000001.png");                       // missing
-  truncate("right/000002.png");                                               // truncated
-  put("left/000003.png", picture(3, true, 32, 48));                           // of two sizes
-  put("left/000004.png", picture(4, true, 32, 48));                           // both of another size
+  std::filesystem::remove(folder_ / "left/000001.png");  // missing
+  truncate("right/000002.png");                          // truncated
+  put("left/000003.png", picture(3, true, 32, 48));      // of two sizes
+  put("left/000004.png", picture(4, true, 32, 48));      // both of another size
   put("right/000004.png", picture(4, false, 32, 48));
-  folder_.write("left/000005.png", "no image");                               // unreadable
-  folder_.write("left/000006.png", "");                                       // empty
+  folder_.write("left/000005.png", "no image");  // unreadable
+  folder_.write("left/000006.png", "");          // empty
   Player run(numbered());
   EXPECT_EQ(run.story(7), "0------");
   EXPECT_FALSE(run.image(0).valid());
   EXPECT_EQ(run.image(0).row<uint8_t>(0)[0], 0) << "a blind image shows no old picture";
   EXPECT_EQ(run.source().files().first, (folder_ / "left/000006.png").string());
   EXPECT_EQ(run.story(), "7.");
+}
+
+TEST_F(Files, what_cannot_be_decoded_does_not_show_the_picture_before_it) {
+  for (int i = 0; i < 5; ++i) pair(i, cv::format("%06d.png", i));
+  folder_.write("left/000001.png", "no image");
+  folder_.write("right/000003.png",
+                std::string("\x89PNG\r\n\x1a\n", 8) + std::string("\0\0\0\0IEND\xae\x42\x60\x82", 12));  // whole, and nothing in it
+  EXPECT_EQ(Player(numbered()).story(), "0-2-4.");
+  std::fstream png(folder_ / "left/000002.png", std::ios::in | std::ios::out | std::ios::binary);
+  png.seekp(-30, std::ios::end);  // in the pixels: the checksum no longer fits
+  png << "xxxx";
+  png.close();
+  EXPECT_EQ(Player(numbered()).story(), "0---4.");
 }
 
 TEST_F(Files, a_gap_is_a_bad_pair) {
@@ -179,7 +192,8 @@ TEST_F(Files, no_format_passes_cut_off_at_any_length) {
     }
     std::filesystem::copy_file(folder_ / kept, folder_ / left, std::filesystem::copy_options::overwrite_existing);
     std::filesystem::resize_file(folder_ / left, size - 1);
-    EXPECT_EQ(refusal(config(std::string("[l]*.") + ending, std::string("[r]*.") + ending)).substr(0, 2), "66") << ending << " without its last byte";
+    EXPECT_EQ(refusal(config(std::string("[l]*.") + ending, std::string("[r]*.") + ending)).substr(0, 2), "66")
+        << ending << " without its last byte";
     std::filesystem::copy_file(folder_ / kept, folder_ / left, std::filesystem::copy_options::overwrite_existing);
     EXPECT_EQ(refusal(config(left, right)), "") << ending << " whole";
   }
@@ -196,7 +210,8 @@ TEST_F(Files, a_thumbnail_does_not_make_a_truncated_jpeg_whole) {
   };
   const std::string thumbnail = bytes("t.jpg"), whole = bytes("l.jpg");
   const size_t length = thumbnail.size() + 2;
-  const std::string with = whole.substr(0, 2) + "\xff\xe1" + static_cast<char>(length >> 8) + static_cast<char>(length & 255) + thumbnail + whole.substr(2);
+  const std::string with =
+      whole.substr(0, 2) + "\xff\xe1" + static_cast<char>(length >> 8) + static_cast<char>(length & 255) + thumbnail + whole.substr(2);
   folder_.write("l.jpg", with);
   EXPECT_EQ(refusal(config("l.jpg", "r.jpg")), "");
   folder_.write("l.jpg", with.substr(0, with.size() - 40));
@@ -269,8 +284,13 @@ TEST_F(Files, timestamps_come_from_names_rate_or_thirty_a_second) {
 TEST_F(Files, images_carry_synthetic_geometry_and_the_calibrations_hash) {
   pair(1, "000001.png");
   Config calibrated = numbered();
-  calibrated.image_source.paramfile = folder_.write("c.yml", "%YAML:1.0\n---\nimage_width: 64\nimage_height: 48\n"
-      "P1: [ 50., 0., 32., 0., 0., 50., 24., 0., 0., 0., 1., 0. ]\nP2: [ 50., 0., 30., -5., 0., 50., 24., 0., 0., 0., 1., 0. ]\n").string();
+  calibrated.image_source.paramfile =
+      folder_
+          .write(
+              "c.yml",
+              "%YAML:1.0\n---\nimage_width: 64\nimage_height: 48\n"
+              "P1: [ 50., 0., 32., 0., 0., 50., 24., 0., 0., 0., 1., 0. ]\nP2: [ 50., 0., 30., -5., 0., 50., 24., 0., 0., 0., 1., 0. ]\n")
+          .string();
   calibrated.image_source.minDisparity = 3;
   Player run(calibrated);
   ASSERT_EQ(run.grab(), Outcome::valid);
@@ -308,7 +328,8 @@ TEST_F(Files, what_names_no_recording_is_refused) {
   EXPECT_REFUSED(config("left/*.jpg", "right/*.jpg"), "66", "no such image");
   EXPECT_REFUSED(config("left/000000.png", "right/000009.png"), "66", "no such file");
   EXPECT_REFUSED(config("left", "right"), "78", "is a folder");
-  for (const char* wrong : {"left/%s.png", "left/%n", "left/%d%d.png", "left/%-6d.png", "left/%123456789d.png", "left/%", "left/%06", "left/%*d", "left/%06ld.png"})
+  for (const char* wrong : {"left/%s.png", "left/%n", "left/%d%d.png", "left/%-6d.png", "left/%123456789d.png", "left/%", "left/%06",
+                            "left/%*d", "left/%06ld.png"})
     EXPECT_EQ(with(wrong, "right/%06d.png").substr(0, 2), "78") << wrong << ": " << with(wrong, "right/%06d.png");
   pair(0, "1403715273262142976.png");
   pair(0, "5.png");
