@@ -60,7 +60,7 @@ GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textu
       for (int b = -1; b <= 1; ++b) {
         for (int a = -1; a <= 1; ++a) sum += lit[static_cast<size_t>(std::clamp(j + b, 0, side - 1)) * side + std::clamp(i + a, 0, side - 1)];
       }
-      const double patch = static_cast<double>(dirt[(j / 16 & 63) * 64 + (i / 16 & 63)] & 255) / 255;
+      const double patch = static_cast<double>(dirt[(j / 8 & 63) * 64 + (i / 8 & 63)] & 255) / 255;
       packed[static_cast<size_t>(j) * side + i] = static_cast<uint8_t>(255 * (0.45 + 0.55 * sum / 9) * (0.88 + 0.12 * patch));
     }
   }

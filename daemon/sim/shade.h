@@ -29,7 +29,7 @@ struct ObjectTable {
 
 /// Sunlight, dirt and shadow on the ground, on a square from above; 255 = full light.
 struct GroundLight {
-  static constexpr int side = 1024;
+  static constexpr int side = 512;
   float x0 = 0, z0 = 0, cells_per_m = 1;
   std::vector<uint32_t> packed;
 };
