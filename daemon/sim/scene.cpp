@@ -1,0 +1,126 @@
+// scene.cpp: where the camera is in each frame, and what is around it.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/sim/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace vdisp::sim {
+namespace {
+
+constexpr double listed_range = 12;  // m ahead, of the truth's list
+constexpr double speed = 0.5;        // m/s, of the rover in `drive`
+
+Axes axes_of(const Point& right, const Point& down, const Point& ahead) {
+  return {right.x, down.x, ahead.x, right.y, down.y, ahead.y, right.z, down.z, ahead.z};
+}
+Point cross(const Point& a, const Point& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Point scaled(const Point& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+Point unit(const Point& a) { return scaled(a, 1 / std::sqrt(dot(a, a))); }
+
+}  // namespace
+
+double SceneObject::radius() const { return std::hypot(width, depth) / 2; }
+
+Point turned(const Axes& m, const Point& p) {
+  return {m[0] * p.x + m[1] * p.y + m[2] * p.z, m[3] * p.x + m[4] * p.y + m[5] * p.z, m[6] * p.x + m[7] * p.y + m[8] * p.z};
+}
+Point turned_back(const Axes& m, const Point& p) {
+  return {m[0] * p.x + m[3] * p.y + m[6] * p.z, m[1] * p.x + m[4] * p.y + m[7] * p.z, m[2] * p.x + m[5] * p.y + m[8] * p.z};
+}
+
+Scene::Station Scene::along(double length) const {
+  const double place = length / path_step_, whole = std::floor(place), part = place - whole;
+  const Station& a = path_[static_cast<size_t>(whole) % path_.size()];
+  const Station& b = path_[(static_cast<size_t>(whole) + 1) % path_.size()];
+  return {a.x + (b.x - a.x) * part, a.z + (b.z - a.z) * part, a.heading + std::remainder(b.heading - a.heading, 2 * M_PI) * part};
+}
+
+Scene::Station Scene::station(uint64_t frame) const {
+  const double n = static_cast<double>(frame);
+  if (drives_) {
+    const double length = path_step_ * static_cast<double>(path_.size());
+    return along(std::fmod(speed * n * static_cast<double>(frame_period_ns(parameters_)) * 1e-9, length));
+  }
+  // A camera that is never quite still: millimetres and tenths of a degree, the same never twice.
+  const double degree = M_PI / 180;
+  return {0.006 * std::sin(0.83 * n) + 0.004 * std::sin(0.29 * n), 0.008 * std::sin(0.61 * n) + 0.005 * std::sin(0.173 * n),
+          degree * (0.20 * std::sin(0.47 * n) + 0.15 * std::sin(0.117 * n))};
+}
+
+CameraPose Scene::pose(uint64_t frame) const {
+  const Station at = station(frame);
+  CameraPose pose;
+  pose.heading = at.heading + parameters_.yaw;
+  pose.climbs = rise_ != 0 && at.z > slope_start;
+  const double rise = pose.climbs ? rise_ : 0;
+  const Point down = unit({0, 1, rise}), view{-std::sin(pose.heading), 0, std::cos(pose.heading)};
+  const double sunk = dot(view, down);
+  const Point ahead = unit({view.x - sunk * down.x, view.y - sunk * down.y, view.z - sunk * down.z});
+  pose.level = axes_of(cross(down, ahead), down, ahead);
+  const double height = parameters_.cameraHeight;
+  pose.position = {at.x - down.x * height, ground(at.z) - down.y * height, at.z - down.z * height};
+  const auto axis = [&](const Point& camera_axis) {
+    return turned(pose.level, horizontal(camera_axis, parameters_.pitch, parameters_.roll));
+  };
+  pose.axes = axes_of(axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1}));
+  return pose;
+}
+
+GroundPlane Scene::plane(const CameraPose& pose, double rise) const {
+  const double size = std::hypot(1.0, rise);
+  const Point down{0, 1 / size, rise / size};
+  const Point seen = turned_back(pose.axes, down);
+  return {std::asin(seen.z), std::atan2(seen.x, seen.y), rise * slope_start / size - dot(down, pose.position)};
+}
+
+void Scene::describe(const CameraPose& pose, TruthView& view, std::span<uint8_t> numbers) const {
+  TruthScene& scene = view.scene;
+  view.planes = {plane(pose, 0), plane(pose, rise_)};
+  view.plane_count = rise_ != 0 ? 2 : 1;
+  view.rising = rise_ > 0;
+  const Point ahead = turned(pose.level, {0, 0, 1});
+  const GroundPlane& below = view.planes[pose.climbs ? 1 : 0];
+  const GroundPlane& other = view.planes[pose.climbs ? 0 : 1];
+  scene = TruthScene{};
+  scene.header = {TruthScene::type, TruthScene::version, static_cast<uint32_t>(sizeof(TruthScene))};
+  scene.pitch_rad = below.pitch;
+  scene.roll_rad = below.roll;
+  scene.height_m = below.height;
+  scene.slope_rad = (pose.climbs ? ahead.z < 0 : ahead.z > 0) ? other.pitch - below.pitch : 0;
+
+  struct Seen {
+    double distance;
+    size_t index;
+    Point centre;
+  };
+  std::array<Seen, TruthView::unlisted> seen;
+  size_t count = 0;
+  std::fill(numbers.begin(), numbers.end(), TruthView::unlisted);
+  for (size_t i = 0; i < objects_.size() && count < seen.size(); ++i) {
+    const SceneObject& o = objects_[i];
+    const Point world{o.x - pose.position.x, ground(o.z) - pose.position.y, o.z - pose.position.z};
+    const Point centre = turned_back(pose.level, world);
+    const double turn = o.yaw - pose.heading;
+    const double reach = std::abs(std::sin(turn)) * o.width / 2 + std::abs(std::cos(turn)) * o.depth / 2;
+    if (centre.z + reach > 0 && centre.z - reach < listed_range) seen[count++] = {centre.z - reach, i, centre};
+  }
+  if (count > TruthScene::capacity) {
+    std::sort(seen.begin(), seen.begin() + static_cast<long>(count), [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+    count = TruthScene::capacity;
+    std::sort(seen.begin(), seen.begin() + static_cast<long>(count), [](const Seen& a, const Seen& b) { return a.index < b.index; });
+  }
+  scene.count = static_cast<uint32_t>(count);
+  for (size_t i = 0; i < count; ++i) {
+    const SceneObject& o = objects_[seen[i].index];
+    numbers[seen[i].index] = static_cast<uint8_t>(i + 1);
+    scene.objects[i] = {o.kind, o.textured && parameters_.texture > 0 ? 1u : 0u,
+                        static_cast<float>(seen[i].centre.x), static_cast<float>(seen[i].centre.z),
+                        static_cast<float>(o.width), static_cast<float>(o.depth), static_cast<float>(o.height),
+                        static_cast<float>(std::remainder(o.yaw - pose.heading, 2 * M_PI))};
+  }
+}
+
+}  // namespace vdisp::sim

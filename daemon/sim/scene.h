@@ -1,0 +1,87 @@
+// scene.h: the simulated world: ground, obstacles, and the camera's way through them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "config/config.h"
+#include "daemon/geometry/frames.h"
+#include "daemon/sim/chance.h"
+#include "daemon/sim/simulator.h"
+#include "ipc/records.h"
+
+namespace vdisp::sim {
+
+enum class Surface { gravel, planks, bricks, stone, bark };
+inline constexpr int surface_count = 5;
+
+/// World frame: x right, y down, z ahead, origin on the ground below the camera at the start. Angles are positive to the left.
+struct SceneObject {
+  ObjectKind kind = ObjectKind::box;
+  bool textured = true;
+  double x = 0, z = 0;             ///< m, centre of the footprint
+  double width = 0, depth = 0, height = 0, yaw = 0;
+  Surface surface = Surface::planks;
+  double brightness = 110;         ///< grey level in full light
+  double radius() const;           ///< of the circle round the footprint
+};
+
+/// Columns right, down, ahead of a frame, in the world: row-major, world = axes * local.
+using Axes = std::array<double, 9>;
+Point turned(const Axes& axes, const Point& local);
+Point turned_back(const Axes& axes, const Point& world);
+
+struct CameraPose {
+  Point position;   ///< of the left camera, world
+  Axes axes;        ///< of the left rectified camera
+  Axes level;       ///< of its frame h, which is level with the ground below it
+  double heading;   ///< of the view
+  bool climbs;      ///< stands on the slope
+};
+
+class Scene {
+ public:
+  explicit Scene(const sim_section& parameters);
+
+  const std::vector<SceneObject>& objects() const { return objects_; }
+  CameraPose pose(uint64_t frame) const;
+  /// Rise of the slope per metre; it begins at z = slope_start.
+  double rise() const { return rise_; }
+  static constexpr double slope_start = 1;
+  /// World y of the ground.
+  double ground(double z) const { return z > slope_start ? -rise_ * (z - slope_start) : 0; }
+
+  /// Middle and half the side of the square that is worth drawing with care.
+  double middle_x() const { return middle_x_; }
+  double middle_z() const { return middle_z_; }
+  double extent() const { return extent_; }
+
+  /// Fills the scene as a pose sees it, and for each object its number in it (TruthView::unlisted: none), and the ground.
+  void describe(const CameraPose& pose, TruthView& view, std::span<uint8_t> numbers) const;
+
+ private:
+  struct Station {
+    double x, z, heading;
+  };
+  Station station(uint64_t frame) const;
+  Station along(double length) const;
+  double clearance(double x, double z) const;
+  void lay_path();
+  void build_yard(Chance& chance);
+  void build_flat(Chance& chance);
+  void build_five();
+  bool fits(const SceneObject& object, double path_gap, double gap) const;
+  bool hides(const SceneObject& object) const;
+  GroundPlane plane(const CameraPose& pose, double rise) const;
+
+  sim_section parameters_;
+  double rise_ = 0, middle_x_ = 0, middle_z_ = 6, extent_ = 12;
+  bool drives_ = false;
+  std::vector<SceneObject> objects_;
+  std::vector<Station> path_;     ///< a closed way, a station every path_step_
+  double path_step_ = 0;
+};
+
+}  // namespace vdisp::sim

@@ -1,0 +1,59 @@
+// simulator.h: what the source and the tests need of the simulator; the renderer behind it is loaded when it is asked for.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "config/config.h"
+#include "daemon/geometry/calibration.h"
+#include "ipc/records.h"
+
+namespace vdisp::sim {
+
+/// A plane of the ground as one pose sees it: pitch and roll of the camera against it, distance of the camera from it.
+struct GroundPlane {
+  double pitch, roll, height;
+};
+
+/// What the left rectified camera would see of one frame, exactly. Rows are `width` long.
+struct TruthView {
+  static constexpr uint8_t ground = 0, unlisted = 254, sky = 255;
+  int width = 0, height = 0;
+  std::span<const float> depth;      ///< m along the view; 0: sky
+  std::span<const float> elevation;  ///< m above the ground at its place
+  std::span<const uint8_t> object;   ///< number in `scene` from 1; ground, sky, or unlisted: an object beyond its range or capacity
+  TruthScene scene{};
+  std::array<GroundPlane, 2> planes{};  ///< below the start, and the slope
+  int plane_count = 1;                  ///< 1 where the ground is flat
+  bool rising = false;                  ///< the slope rises: the ground is the higher of both planes, else the lower
+};
+
+/// Everything depends on the parameters and the frame's number only: the same frame has the same bytes.
+class Simulator {
+ public:
+  virtual ~Simulator() = default;
+  Simulator() = default;
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
+
+  /// The cameras as they are, and the rectified pair.
+  virtual const Calibration& calibration() const = 0;
+  /// Draws both raw views. One call at a time; beside a call of truth().
+  virtual void render(uint64_t frame, std::byte* left, std::byte* right, size_t stride) noexcept = 0;
+  /// Valid until the next call, which is cheap for the same frame. One call at a time.
+  virtual const TruthView& truth(uint64_t frame) noexcept = 0;
+};
+
+/// From frame to frame, ns; without a rate 1/30 s.
+inline int64_t frame_period_ns(const sim_section& parameters) {
+  return static_cast<int64_t>(1e9 / (parameters.rate > 0 ? parameters.rate : 30.0) + 0.5);
+}
+
+/// The module's one symbol, `vdisp_make_simulator`. Null: no memory or no renderer.
+using MakeSimulator = Simulator*(const sim_section& parameters);
+inline constexpr const char* make_simulator_symbol = "vdisp_make_simulator";
+
+}  // namespace vdisp::sim

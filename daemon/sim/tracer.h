@@ -1,0 +1,41 @@
+// tracer.h: the obstacles as shapes, and which of them a ray hits. The only file pair that knows Embree.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "daemon/sim/scene.h"
+#include "daemon/sim/shade.h"
+
+namespace vdisp::sim {
+
+/// Null where Embree cannot start. Tracing changes nothing: several threads may, each with a Probe of its own.
+class Tracer {
+ public:
+  static std::unique_ptr<Tracer> make(const Scene& scene, uint32_t seed);
+  ~Tracer();
+  Tracer(const Tracer&) = delete;
+  Tracer& operator=(const Tracer&) = delete;
+
+  /// The arrays that a thread's rays travel in.
+  struct Probe;
+  struct EraseProbe {
+    void operator()(Probe* probe) const;
+  };
+  std::unique_ptr<Probe, EraseProbe> make_probe() const;
+
+  /// Replaces t, object and normal of the rays that hit an object nearer than t.
+  void trace(Probe& probe, const Look& look, Batch& batch) const noexcept;
+  /// Marks the tiles that an object may be seen in.
+  void mark(const Look& look, const Rays& rays, std::vector<uint8_t>& marks) const noexcept;
+  /// For each of `count` points, 1 where the direction is free of objects.
+  void light(const Point* points, int count, const Point& direction, uint8_t* lit) const;
+
+ private:
+  struct Shapes;
+  explicit Tracer(std::unique_ptr<Shapes> shapes);
+  std::unique_ptr<Shapes> shapes_;
+};
+
+}  // namespace vdisp::sim

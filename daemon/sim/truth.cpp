@@ -1,0 +1,132 @@
+// truth.cpp: the true disparity, objects, scene, floor line and map of a frame.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/sim/truth.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdisp::sim {
+namespace {
+
+/// One image from the simulator's view of the frame that the input was made in.
+class TruthStage : public ImageProcessor {
+ public:
+  TruthStage(Simulator& simulator, const Config& config) : config_(config), view_(simulator.calibration().view), simulator_(simulator) {}
+
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override {
+    if (in.size() != 1) throw FormatError("takes one image, was given " + std::to_string(in.size()));
+    require(in[0], Pixel::gray8, "the camera image");
+    return {make(in[0])};
+  }
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override {
+    const int64_t period = frame_period_ns(config_.sim);
+    fill(simulator_.truth(static_cast<uint64_t>((in[0]->timestamp_ns + period / 2) / period)), *out[0]);
+    return Outcome::valid;
+  }
+
+ protected:
+  virtual ImageSpec make(const ImageSpec& camera) const = 0;
+  virtual void fill(const TruthView& truth, Image& out) const noexcept = 0;
+  /// The rectified view that the truth is of.
+  CameraGeometry geometry() const {
+    return {static_cast<float>(view_.f), static_cast<float>(view_.cx), static_cast<float>(view_.cy), static_cast<float>(view_.baseline),
+            static_cast<float>(view_.cx_offset), config_.image_source.minDisparity, config_.image_source.ndisp, {}};
+  }
+  const Config config_;
+  const StereoView view_;
+
+ private:
+  Simulator& simulator_;
+};
+
+int16_t saturated(double value) { return static_cast<int16_t>(std::clamp(std::round(value), -32767.0, 32767.0)); }
+
+class TrueDisparity final : public TruthStage {
+  using TruthStage::TruthStage;
+  ImageSpec make(const ImageSpec& camera) const override { return {Pixel::disparity16, 0, camera.width, camera.height}; }
+  void fill(const TruthView& truth, Image& out) const noexcept override {
+    out.camera = geometry();
+    for (int v = 0; v < truth.height; ++v) {
+      const float* depth = &truth.depth[static_cast<size_t>(v) * truth.width];
+      int16_t* row = out.row<int16_t>(v);
+      for (int u = 0; u < truth.width; ++u) row[u] = depth[u] > 0 ? saturated(16 * view_.disparity(depth[u])) : rejected(Rejected::outside);
+    }
+  }
+};
+
+class TrueObject final : public TruthStage {
+  using TruthStage::TruthStage;
+  ImageSpec make(const ImageSpec& camera) const override { return {Pixel::gray8, 0, camera.width, camera.height}; }
+  void fill(const TruthView& truth, Image& out) const noexcept override {
+    out.camera = geometry();
+    for (int v = 0; v < truth.height; ++v) std::copy_n(&truth.object[static_cast<size_t>(v) * truth.width], truth.width, out.row<uint8_t>(v));
+  }
+};
+
+class TrueScene final : public TruthStage {
+  using TruthStage::TruthStage;
+  ImageSpec make(const ImageSpec&) const override { return record_spec<TruthScene>(); }
+  void fill(const TruthView& truth, Image& out) const noexcept override { make_record<TruthScene>(out) = truth.scene; }
+};
+
+class TrueFloor final : public TruthStage {
+  using TruthStage::TruthStage;
+  ImageSpec make(const ImageSpec&) const override { return {Pixel::line16, 0, static_cast<uint16_t>(16 * config_.image_source.ndisp), 1}; }
+  /// In the column through the optical centre: with roll the floor is higher on one side by as much as it is lower on the other.
+  FloorLine line(const GroundPlane& plane) const {
+    const double pitch = std::atan(std::tan(plane.pitch) / std::cos(plane.roll));
+    return floor_line(view_, plane.height * std::cos(pitch) / (std::cos(plane.pitch) * std::cos(plane.roll)), pitch);
+  }
+  void fill(const TruthView& truth, Image& out) const noexcept override {
+    out.camera = geometry();
+    const FloorLine level = line(truth.planes[0]), slope = line(truth.planes[1]);
+    int16_t* row = out.row<int16_t>(0);
+    for (int column = 0; column < out.spec.width; ++column) {
+      const double d = column / 16.0 + config_.image_source.minDisparity - view_.cx_offset;
+      const double a = level.row(d), b = slope.row(d);
+      row[column] = saturated(truth.plane_count == 1 ? a : truth.rising ? std::min(a, b) : std::max(a, b));
+    }
+  }
+};
+
+class TrueMap final : public TruthStage {
+  using TruthStage::TruthStage;
+  int rows() const { return static_cast<int>(std::lround(config_.map.range / config_.map.cell)); }
+  int columns() const { return static_cast<int>(std::lround(config_.map.width / config_.map.cell)); }
+  ImageSpec make(const ImageSpec&) const override {
+    return {Pixel::count16, 0, static_cast<uint16_t>(columns()), static_cast<uint16_t>(rows())};
+  }
+  void fill(const TruthView& truth, Image& out) const noexcept override {
+    const auto f = static_cast<float>(view_.f), cx = static_cast<float>(view_.cx);
+    out.grid = {static_cast<float>(config_.map.cell), static_cast<float>(rows()), static_cast<float>(columns()) / 2, -cx / f,
+                (static_cast<float>(truth.width) - cx) / f, static_cast<uint32_t>(config_.map.minCount), 0,
+                static_cast<float>(config_.mounting.x), static_cast<float>(config_.mounting.y), static_cast<float>(config_.mounting.yaw)};
+    for (int row = 0; row < rows(); ++row) std::fill_n(out.row<int16_t>(row), columns(), int16_t{0});
+    for (int v = 0; v < truth.height; ++v) {
+      for (int u = 0; u < truth.width; ++u) {
+        const size_t pixel = static_cast<size_t>(v) * truth.width + u;
+        if (truth.depth[pixel] > 0 && truth.elevation[pixel] > config_.limit.max_height) count(truth, u, v, truth.depth[pixel], out);
+      }
+    }
+  }
+  void count(const TruthView& truth, int u, int v, double z, Image& out) const noexcept {
+    const Point seen{(u - view_.cx) * z / view_.f, (v - view_.cy) * z / view_.f, z};
+    const Point h = horizontal(seen, truth.scene.pitch_rad, truth.scene.roll_rad);
+    const double row = rows() - 1 - std::floor(h.z / config_.map.cell), column = std::floor(h.x / config_.map.cell + columns() / 2.0);
+    if (row < 0 || row >= rows() || column < 0 || column >= columns()) return;
+    int16_t& cell = out.row<int16_t>(static_cast<int>(row))[static_cast<int>(column)];
+    if (cell < INT16_MAX) ++cell;
+  }
+};
+
+}  // namespace
+
+void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const Config& config) {
+  driver.add("truth/disparity", std::make_unique<TrueDisparity>(simulator, config), {camera});
+  driver.add("truth/object", std::make_unique<TrueObject>(simulator, config), {camera});
+  driver.add("truth/scene", std::make_unique<TrueScene>(simulator, config), {camera});
+  driver.add("truth/floor", std::make_unique<TrueFloor>(simulator, config), {camera});
+  driver.add("truth/map", std::make_unique<TrueMap>(simulator, config), {camera});
+}
+
+}  // namespace vdisp::sim

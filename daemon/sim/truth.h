@@ -1,0 +1,15 @@
+// truth.h: the stages truth/...: what the tree should have found, from the simulator's world, never from the tree.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/config.h"
+#include "daemon/core/driver.h"
+#include "daemon/sim/simulator.h"
+
+namespace vdisp::sim {
+
+/// Adds truth/disparity, truth/object, truth/scene, truth/floor and truth/map. `camera` is the left raw image, whose time tells the
+/// frame. The simulator must outlive the driver's last step.
+void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const Config& config);
+
+}  // namespace vdisp::sim

@@ -1,0 +1,137 @@
+// sim.cpp: loads the renderer, and draws the next frame while the tree works on this one.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/sources/sim.h"
+
+#include <dlfcn.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "daemon/sim/simulator.h"
+#include "daemon/sim/truth.h"
+
+namespace vdisp {
+namespace {
+
+constexpr const char* module_name = "vdisp_sim.so";
+// Drawing is arithmetic, not waiting: a frame that takes longer than this comes from a machine that stands still.
+constexpr std::chrono::seconds longest_wait{2};
+
+class SimSource final : public StereoSource {
+ public:
+  SimSource(const Config& config, std::unique_ptr<sim::Simulator> simulator)
+      : config_(config), spec_{Pixel::gray8, 0, static_cast<uint16_t>(config.sim.width), static_cast<uint16_t>(config.sim.height)},
+        simulator_(std::move(simulator)) {}
+  ~SimSource() override {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_all();
+    if (painter_.joinable()) painter_.join();
+  }
+
+  std::vector<ImageSpec> open() override {
+    for (auto& view : drawn_) view.resize(static_cast<size_t>(spec_.stride()) * spec_.height);
+    if (!painter_.joinable()) painter_ = std::thread([this] { paint(); });
+    return {spec_, spec_};
+  }
+
+  Outcome grab(std::span<Image* const> out) noexcept override {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, longest_wait, [&] { return ready_; })) {
+      out[0]->set_blind(Reason::no_frame);
+      return Outcome::invalid;
+    }
+    const int64_t period = sim::frame_period_ns(config_.sim);
+    for (size_t side = 0; side < 2; ++side) {
+      Image& image = *out[side];
+      std::memcpy(image.row<std::byte>(0), drawn_[side].data(), drawn_[side].size());
+      image.timestamp_ns = static_cast<int64_t>(frame_) * period;
+      image.flags |= flag_synthetic;
+      image.calibration_hash = simulator_->calibration().hash;
+    }
+    ++frame_;
+    ready_ = false;
+    lock.unlock();
+    changed_.notify_all();
+    return Outcome::valid;
+  }
+
+  std::optional<Calibration> calibration() const override { return simulator_->calibration(); }
+  int64_t period_ns() const override { return config_.sim.rate > 0 ? sim::frame_period_ns(config_.sim) : 0; }
+  void add_truth(Driver& driver, Handle camera) override { sim::add_truth_stages(driver, camera, *simulator_, config_); }
+
+ private:
+  void paint() noexcept {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [&] { return ending_ || !ready_; });
+      if (ending_) return;
+      const uint64_t frame = frame_;
+      lock.unlock();
+      simulator_->render(frame, drawn_[0].data(), drawn_[1].data(), spec_.stride());
+      lock.lock();
+      ready_ = true;
+      changed_.notify_all();
+    }
+  }
+
+  const Config config_;
+  const ImageSpec spec_;
+  std::unique_ptr<sim::Simulator> simulator_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  // While ready_ the views belong to grab(), else to the painter.
+  bool ready_ = false, ending_ = false;
+  uint64_t frame_ = 0;
+  std::array<std::vector<std::byte>, 2> drawn_;
+  std::thread painter_;
+};
+
+void require_size(const Config& config) {
+  const auto refuse = [](const char* key, int wanted, int found) {
+    throw SourceError(78, "[image source] " + std::string(key) + " = " + std::to_string(wanted) + ", but [sim] " + key + " = " + std::to_string(found) +
+                              "; they must be equal, or the first 0");
+  };
+  const image_source_section& wanted = config.image_source;
+  if (wanted.width != 0 && wanted.width != config.sim.width) refuse("width", wanted.width, config.sim.width);
+  if (wanted.height != 0 && wanted.height != config.sim.height) refuse("height", wanted.height, config.sim.height);
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> simulator_places() {
+  std::vector<std::filesystem::path> places;
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) places = {program.parent_path(), program.parent_path().parent_path() / "lib/vdisp"};
+  places.push_back(VDISP_MODULE_DIR);
+  return places;
+}
+
+std::unique_ptr<StereoSource> open_sim(const Config& config, const std::vector<std::filesystem::path>& places) {
+  require_size(config);
+  std::string looked;
+  for (const std::filesystem::path& place : places) {
+    const std::filesystem::path file = place / module_name;
+    looked += (looked.empty() ? "" : ", ") + place.string();
+    std::error_code error;
+    if (!std::filesystem::exists(file, error)) continue;
+    // Never closed: the ray tracer leaves threads behind that run its code.
+    void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!module) throw SourceError(69, "sim: the renderer " + file.string() + " does not load: " + dlerror());
+    auto* make = reinterpret_cast<sim::MakeSimulator*>(dlsym(module, sim::make_simulator_symbol));
+    if (!make) throw SourceError(69, "sim: " + file.string() + " is no renderer of this version: it lacks " + sim::make_simulator_symbol);
+    std::unique_ptr<sim::Simulator> simulator(make(config.sim));
+    if (!simulator) throw SourceError(69, "sim: the renderer " + file.string() + " cannot start: no memory, or Embree refused this processor");
+    return std::make_unique<SimSource>(config, std::move(simulator));
+  }
+  throw SourceError(69, "sim: the renderer " + std::string(module_name) + " was not found in " + looked + "; it comes with the simulator's package");
+}
+
+}  // namespace vdisp
