@@ -132,7 +132,8 @@ std::string map_yaml(const std::string& pgm, const GridGeometry& grid, int rows)
   const auto text = [](double value) { return ordered_json(std::round(value * 1e6) / 1e6 + 0.0).dump(); };  // + 0.0: no "-0.0"
   const double cell = grid.cell;
   return "image: " + pgm + "\nresolution: " + text(cell) + "\norigin: [" + text(-cell * grid.origin_column) + ", " +
-         text(-cell * (rows - static_cast<double>(grid.origin_row))) + ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+         text(-cell * (rows - static_cast<double>(grid.origin_row))) +
+         ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 }
 
 }  // namespace
@@ -147,7 +148,8 @@ FrameDump::FrameDump(fs::path folder) : folder_(std::move(folder)), json_(std::m
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   part_ = part_of(folder_);
   std::error_code error;
-  if (fs::exists(folder_, error)) throw WriteError(73, folder_.string() + " exists already; name an empty or a new folder for the dump");
+  if (fs::exists(folder_, error))
+    throw WriteError(73, folder_.string() + " exists already; name an empty or a new folder for the dump");
   fs::remove_all(part_, error);
   fs::create_directories(part_, error);
   if (error) throw write_error("cannot create", folder_, error.value());
@@ -158,7 +160,7 @@ FrameDump::~FrameDump() {
   if (!part_.empty()) fs::remove_all(part_, ignored);
 }
 
-void FrameDump::write(const std::string& file, std::string_view bytes) {
+void FrameDump::add_file(const std::string& file, std::string_view bytes) {
   const fs::path path = part_ / file;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
@@ -190,20 +192,20 @@ void FrameDump::add_picture(const std::string& topic, const Image& image) {
   json_->stages[topic][grid ? "grid" : "camera"] = grid ? grid_json(image.grid) : camera_json(image.camera);
   switch (image.spec.pixel) {
     case Pixel::gray8:
-    case Pixel::mask8: return write(topic + ".png", plain(PngKind::gray8, image));
-    case Pixel::int8: return write(topic + ".png", plain(PngKind::gray8, image));  // -1 reads as 255
-    case Pixel::rgb8: return write(topic + ".png", plain(PngKind::rgb8, image));
-    case Pixel::line16: return write(topic + ".csv", line_csv(image));
-    case Pixel::height16: return write(topic + ".png", converted<uint16_t>(image, [](int height) { return height + 32768; }));
+    case Pixel::mask8: return add_file(topic + ".png", plain(PngKind::gray8, image));
+    case Pixel::int8: return add_file(topic + ".png", plain(PngKind::gray8, image));  // -1 reads as 255
+    case Pixel::rgb8: return add_file(topic + ".png", plain(PngKind::rgb8, image));
+    case Pixel::line16: return add_file(topic + ".csv", line_csv(image));
+    case Pixel::height16: return add_file(topic + ".png", converted<uint16_t>(image, [](int height) { return height + 32768; }));
     case Pixel::disparity16:
       json_->rejected[topic] = rejected_json(image);
-      write(topic + ".png", converted<uint16_t>(image, [](int d) { return d < 0 ? 0 : d; }));
-      return write(topic + "_reason.png", converted<uint8_t>(image, [](int16_t d) { return rejected_code(d); }));
+      add_file(topic + ".png", converted<uint16_t>(image, [](int d) { return d < 0 ? 0 : d; }));
+      return add_file(topic + "_reason.png", converted<uint8_t>(image, [](int16_t d) { return rejected_code(d); }));
     case Pixel::count16:
-      write(topic + ".png", converted<uint16_t>(image, [](int count) { return count < 0 ? 0 : count; }));
+      add_file(topic + ".png", converted<uint16_t>(image, [](int count) { return count < 0 ? 0 : count; }));
       if (!grid) return;
-      write(topic + ".pgm", map_pgm(image));
-      return write(topic + ".yaml", map_yaml(fs::path(topic).filename().string() + ".pgm", image.grid, image.spec.height));
+      add_file(topic + ".pgm", map_pgm(image));
+      return add_file(topic + ".yaml", map_yaml(fs::path(topic).filename().string() + ".pgm", image.grid, image.spec.height));
     default: return;
   }
 }
@@ -217,8 +219,8 @@ void FrameDump::finish(const std::string& left, const std::string& right) {
   frame.update(json_->records);
   frame["rejected"] = json_->rejected;
   frame["stages"] = json_->stages;
-  write("frame.json", frame.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
-  if (!json_->timing.empty()) write("timing.json", json_->timing.dump(1) + "\n");
+  add_file("frame.json", frame.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  if (!json_->timing.empty()) add_file("timing.json", json_->timing.dump(1) + "\n");
   if (rename(part_.c_str(), folder_.c_str()) != 0) throw write_error("cannot create", folder_, errno);
   part_.clear();
 }

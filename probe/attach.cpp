@@ -39,11 +39,6 @@ std::vector<CatalogueEntry> topics_of(Client& client) {
 
 std::string_view name_of(const CatalogueEntry& entry) { return {entry.name, strnlen(entry.name, sizeof entry.name)}; }
 
-std::string spec_words(const ImageSpec& spec) {
-  if (spec.pixel == Pixel::record) return "record " + std::to_string(spec.width) + " bytes";
-  return std::string(name(spec.pixel)) + " " + std::to_string(spec.width) + "x" + std::to_string(spec.height);
-}
-
 void stop_on_signals() {
   struct sigaction action {};
   action.sa_handler = request_stop;  // no SA_RESTART: waits in system calls end

@@ -18,8 +18,6 @@ void attach(Client& client, const Options& options);
 std::vector<CatalogueEntry> topics_of(Client& client);
 /// Its name, also where the terminating zero is missing.
 std::string_view name_of(const CatalogueEntry& entry);
-/// "gray8 640x480"
-std::string spec_words(const ImageSpec& spec);
 
 /// From here on SIGINT, SIGTERM and SIGHUP end the word in good order: stopped() is then true, and waits are cut short.
 void stop_on_signals();

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "probe/attach.h"
+#include "probe/readout.h"
 #include "probe/terminal.h"
 #include "probe/tree.h"
 

@@ -123,7 +123,7 @@ Painted plan(const Image& image, const PaintStyle& style) {
       painted.picture.fill({x * cell, y * cell, cell - gap, cell - gap}, map_colour(grid, counts[x], in_view(grid, x, y)));
     }
   }
-  if (grid.cell > 0) draw_ranges(painted.picture, grid, rows, cell);
+  if (usable(grid)) draw_ranges(painted.picture, grid, rows, cell);
   return painted;
 }
 

@@ -120,6 +120,11 @@ std::vector<std::string> scene_text(const TruthScene& scene) {
 
 }  // namespace
 
+std::string spec_words(const ImageSpec& spec) {
+  if (spec.pixel == Pixel::record) return "record " + std::to_string(spec.width) + " bytes";
+  return std::string(name(spec.pixel)) + " " + std::to_string(spec.width) + "x" + std::to_string(spec.height);
+}
+
 std::string read_out(std::string_view topic, const Image& image, int column, int row) {
   if (!image.valid() || image.spec.pixel == Pixel::record || column < 0 || row < 0 || column >= image.spec.width) return {};
   const std::string where = format("row %d  column %d   ", row, column);
@@ -136,6 +141,12 @@ std::vector<std::string> record_text(const Image& image) {
 
 double Place::distance() const { return std::hypot(x, z); }
 double Place::bearing_deg() const { return std::atan2(x, z) * 180 / M_PI; }
+
+bool usable(const GridGeometry& grid) {
+  const auto within = [](float value, float limit) { return std::abs(value) <= limit; };  // false for NaN
+  return grid.cell > 0 && within(grid.cell, 1e3f) && within(grid.origin_row, 1e5f) && within(grid.origin_column, 1e5f) &&
+         within(grid.view_left, 1e3f) && within(grid.view_right, 1e3f);
+}
 
 Place place_of(const GridGeometry& grid, double column, double row) {
   const double cell = grid.cell;

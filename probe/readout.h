@@ -11,6 +11,9 @@
 
 namespace vdisp {
 
+/// "gray8 640x480"
+std::string spec_words(const ImageSpec& spec);
+
 /// What lies at this column and row of a picture stage, in one line; empty outside the image.
 std::string read_out(std::string_view topic, const Image& image, int column, int row);
 
@@ -23,6 +26,8 @@ struct Place {
   double distance() const;
   double bearing_deg() const;  ///< positive to the right
 };
+/// False for geometry that no map can have: nothing is drawn by it.
+bool usable(const GridGeometry& grid);
 /// Centre of a cell.
 Place place_of(const GridGeometry& grid, double column, double row);
 /// The obstacle cell nearest to the camera, if any. The image is a valid map.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "ipc/image.h"
@@ -15,7 +16,8 @@ struct DisparityScale {
 };
 inline DisparityScale disparity_scale(const CameraGeometry& camera) {
   const int range = camera.disparities > 0 && camera.disparities <= 4096 ? camera.disparities : 64;
-  return {camera.min_disparity, camera.min_disparity + range};
+  const int from = std::clamp(camera.min_disparity, -4096, 4096);
+  return {from, from + range};
 }
 
 inline constexpr int votes_scale = 512;                                  ///< counts of the v-disparity, logarithmic
