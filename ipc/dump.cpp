@@ -31,9 +31,7 @@ const char* key(Rejected why) {
   return "unknown";
 }
 
-const char* state_word(FloorState state) {
-  return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost";
-}
+const char* state_word(FloorState state) { return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost"; }
 
 // A blind record's bytes are those of some earlier frame: nothing of them is told.
 ordered_json floor_json(const Image& image) {
@@ -56,27 +54,39 @@ ordered_json floor_json(const Image& image) {
 
 ordered_json scene_json(const TruthScene& scene) {
   static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock"};
-  ordered_json json{{"pitch_rad", number(scene.pitch_rad)}, {"roll_rad", number(scene.roll_rad)},
-                    {"height_m", number(scene.height_m)}, {"slope_rad", number(scene.slope_rad)},
+  ordered_json json{{"pitch_rad", number(scene.pitch_rad)},
+                    {"roll_rad", number(scene.roll_rad)},
+                    {"height_m", number(scene.height_m)},
+                    {"slope_rad", number(scene.slope_rad)},
                     {"objects", ordered_json::array()}};
   for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
     const TruthObject& object = scene.objects[i];
     const auto kind = static_cast<uint32_t>(object.kind);
-    json["objects"].push_back({{"number", i + 1}, {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
-                               {"textured", object.textured != 0}, {"x", number(object.x)}, {"z", number(object.z)},
-                               {"width", number(object.width)}, {"depth", number(object.depth)},
-                               {"height", number(object.height)}, {"yaw", number(object.yaw)}});
+    json["objects"].push_back({{"number", i + 1},
+                               {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
+                               {"textured", object.textured != 0},
+                               {"x", number(object.x)},
+                               {"z", number(object.z)},
+                               {"width", number(object.width)},
+                               {"depth", number(object.depth)},
+                               {"height", number(object.height)},
+                               {"yaw", number(object.yaw)}});
   }
   return json;
 }
 
 ordered_json camera_json(const CameraGeometry& camera) {
-  return {{"f", number(camera.f)}, {"cx", number(camera.cx)}, {"cy", number(camera.cy)}, {"baseline", number(camera.baseline)},
-          {"cx_offset", number(camera.cx_offset)}, {"min_disparity", camera.min_disparity}, {"disparities", camera.disparities}};
+  return {{"f", number(camera.f)},
+          {"cx", number(camera.cx)},
+          {"cy", number(camera.cy)},
+          {"baseline", number(camera.baseline)},
+          {"cx_offset", number(camera.cx_offset)},
+          {"min_disparity", camera.min_disparity},
+          {"disparities", camera.disparities}};
 }
 
 ordered_json grid_json(const GridGeometry& grid) {
-  return {{"cell", number(grid.cell)}, {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
+  return {{"cell", number(grid.cell)},           {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
           {"view_left", number(grid.view_left)}, {"view_right", number(grid.view_right)}, {"min_count", grid.min_count}};
 }
 
@@ -132,8 +142,7 @@ std::string map_yaml(const std::string& pgm, const GridGeometry& grid, int rows)
   const auto text = [](double value) { return ordered_json(std::round(value * 1e6) / 1e6 + 0.0).dump(); };  // + 0.0: no "-0.0"
   const double cell = grid.cell;
   return "image: " + pgm + "\nresolution: " + text(cell) + "\norigin: [" + text(-cell * grid.origin_column) + ", " +
-         text(-cell * (rows - static_cast<double>(grid.origin_row))) +
-         ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+         text(-cell * (rows - static_cast<double>(grid.origin_row))) + ", 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 }
 
 }  // namespace
@@ -148,8 +157,7 @@ FrameDump::FrameDump(fs::path folder) : folder_(std::move(folder)), json_(std::m
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   part_ = part_of(folder_);
   std::error_code error;
-  if (fs::exists(folder_, error))
-    throw WriteError(73, folder_.string() + " exists already; name an empty or a new folder for the dump");
+  if (fs::exists(folder_, error)) throw WriteError(73, folder_.string() + " exists already; name an empty or a new folder for the dump");
   fs::remove_all(part_, error);
   fs::create_directories(part_, error);
   if (error) throw write_error("cannot create", folder_, error.value());
@@ -173,8 +181,12 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (image.spec == record_spec<Catalogue>() || image.spec == record_spec<Heartbeat>()) return;
   if (!json_->seen) {
     json_->seen = true;
-    json_->head = {{"sequence", image.sequence}, {"timestamp_ns", image.timestamp_ns}, {"files", nullptr},
-                   {"valid", true}, {"reason", name(Reason::none)}, {"synthetic", (image.flags & flag_synthetic) != 0}};
+    json_->head = {{"sequence", image.sequence},
+                   {"timestamp_ns", image.timestamp_ns},
+                   {"files", nullptr},
+                   {"valid", true},
+                   {"reason", name(Reason::none)},
+                   {"synthetic", (image.flags & flag_synthetic) != 0}};
   }
   if (!image.valid() && json_->head["valid"] == true) {
     json_->head["valid"] = false;

@@ -18,8 +18,10 @@ void request_stop(int) { stop_requested = 1; }
 void attach(Client& client, const Options& options) {
   Connection connection = client.connection();
   for (double waited = 0; connection == Connection::no_daemon && waited < options.wait_s && !stopped(); waited += 0.2) {
-    if (client.wait_for_daemon(Client::Time(200))) connection = Connection::connected;
-    else connection = client.connection();
+    if (client.wait_for_daemon(Client::Time(200)))
+      connection = Connection::connected;
+    else
+      connection = client.connection();
   }
   switch (connection) {
     case Connection::connected: return;

@@ -24,7 +24,8 @@ int dump(const Options& options) {
       frame.add(set.name(i), set.image(i));
       if (!options.picture) continue;
       const Picture picture = portrait(set.name(i), set.image(i), style);
-      frame.add_file(set.name(i) + "_view.png", encode_png(PngKind::rgb8, picture.width(), picture.height(), [&](int y) { return picture.row(y); }));
+      frame.add_file(set.name(i) + "_view.png",
+                     encode_png(PngKind::rgb8, picture.width(), picture.height(), [&](int y) { return picture.row(y); }));
     }
     set.release();
     frame.finish();

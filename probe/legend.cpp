@@ -37,7 +37,11 @@ void add_rejected(const Image& image, std::vector<LegendItem>& items) {
   for (int code = 1; code < 256; ++code) {
     if (counts[code] == 0) continue;
     char percent[8];
-    std::snprintf(percent, sizeof percent, " %2.0f%%", 100 * counts[code] / all);
+    const double share = 100 * counts[code] / all;
+    if (share < 1)
+      std::snprintf(percent, sizeof percent, " <1%%");
+    else
+      std::snprintf(percent, sizeof percent, " %2.0f%%", share);
     const std::string reason(name(Rejected{static_cast<uint8_t>(code)}));
     items.push_back(one(rejected_colour(static_cast<uint8_t>(code)), reason + percent));
   }

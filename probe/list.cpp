@@ -19,10 +19,19 @@ void print_json(const std::vector<CatalogueEntry>& entries) {
     for (int parent : entry.parents) {
       if (parent >= 0 && parent < static_cast<int>(entries.size())) parents.push_back(name_of(entries[parent]));
     }
-    topics.push_back({{"topic", name_of(entry)}, {"pixel", name(entry.spec.pixel)}, {"width", entry.spec.width},
-                      {"height", entry.spec.height}, {"parents", parents}, {"stage", entry.stage}, {"watched", entry.watched != 0},
-                      {"runs", entry.runs}, {"invalid", entry.invalid}, {"drops", entry.drops},
-                      {"last_ns", entry.last_ns}, {"mean_ns", entry.mean_ns}, {"max_ns", entry.max_ns}});
+    topics.push_back({{"topic", name_of(entry)},
+                      {"pixel", name(entry.spec.pixel)},
+                      {"width", entry.spec.width},
+                      {"height", entry.spec.height},
+                      {"parents", parents},
+                      {"stage", entry.stage},
+                      {"watched", entry.watched != 0},
+                      {"runs", entry.runs},
+                      {"invalid", entry.invalid},
+                      {"drops", entry.drops},
+                      {"last_ns", entry.last_ns},
+                      {"mean_ns", entry.mean_ns},
+                      {"max_ns", entry.max_ns}});
   }
   std::cout << topics.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
@@ -50,8 +59,10 @@ int list(const Options& options) {
   Client client(options.name);
   attach(client, options);
   const std::vector<CatalogueEntry> entries = topics_of(client);
-  if (options.json) print_json(entries);
-  else print_tree(entries);
+  if (options.json)
+    print_json(entries);
+  else
+    print_tree(entries);
   return 0;
 }
 

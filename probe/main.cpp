@@ -14,7 +14,9 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([&word, function] { word = function; });
     if (names_daemon) sub->add_option("-n,--name", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
-    sub->add_option("--wait", options.wait_s, "Wait up to this many seconds for a daemon")->check(CLI::Range(0.0, 1e6))->type_name("SECONDS");
+    sub->add_option("--wait", options.wait_s, "Wait up to this many seconds for a daemon")
+        ->check(CLI::Range(0.0, 1e6))
+        ->type_name("SECONDS");
     return sub;
   };
   CLI::App* sub = add("view", "Page through the stages in a window: arrow keys, ? for help", view, false);
@@ -25,7 +27,8 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub = add("dump", "Write the images of whole frames to a folder, in the format of vdispd --dump", dump);
   sub->add_option("DIR", options.output, "Folder; frames become DIR/000000, DIR/000001, ...")->required();
   sub->add_option("TOPIC", options.topics, "Stages; none: all");
-  CLI::Option* frames = sub->add_option("--frames", options.frames, "Frames to write")->check(CLI::Range(1, 1000000))->capture_default_str();
+  CLI::Option* frames =
+      sub->add_option("--frames", options.frames, "Frames to write")->check(CLI::Range(1, 1000000))->capture_default_str();
   sub->add_flag("--once", options.once, "One frame")->excludes(frames);
   sub->add_flag("--picture", options.picture, "Also as view shows them: STAGE_view.png");
   sub = add("map", "The map, live in the terminal; q ends", map);

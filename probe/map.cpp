@@ -36,13 +36,18 @@ void take(Shown& shown, const Reading& reading) {
 std::string json_line(const Shown& shown) {
   const Image* map = shown.reading.fresh() ? shown.map.get() : nullptr;
   ordered_json json{{"state", name(shown.reading.trust)}, {"reason", name(shown.reading.reason)}, {"age_s", shown.reading.age_s},
-                    {"sequence", shown.sequence}, {"synthetic", shown.synthetic}, {"nearest", nullptr}};
+                    {"sequence", shown.sequence},         {"synthetic", shown.synthetic},         {"nearest", nullptr}};
   if (map) {
     if (const auto place = nearest_obstacle(*map))
       json["nearest"] = {{"x", place->x}, {"z", place->z}, {"distance", place->distance()}, {"bearing_deg", place->bearing_deg()}};
     const GridGeometry& grid = map->grid;
-    json.update({{"timestamp_ns", map->timestamp_ns}, {"columns", map->spec.width}, {"rows", map->spec.height}, {"cell", grid.cell},
-                 {"origin_row", grid.origin_row}, {"origin_column", grid.origin_column}, {"min_count", grid.min_count}});
+    json.update({{"timestamp_ns", map->timestamp_ns},
+                 {"columns", map->spec.width},
+                 {"rows", map->spec.height},
+                 {"cell", grid.cell},
+                 {"origin_row", grid.origin_row},
+                 {"origin_column", grid.origin_column},
+                 {"min_count", grid.min_count}});
     ordered_json rows = ordered_json::array();
     for (int y = 0; y < map->spec.height; ++y) {
       const int16_t* counts = map->row<int16_t>(y);
@@ -71,8 +76,10 @@ std::string page(const Shown& shown, MapLook look) {
     for (const std::string& line : map_text(*map, look)) text += line + "\n";
   }
   text += state_line(shown, look.colour) + "\n";
-  if (map && shown.reading.fresh()) text += nearest_words(*map) + "\n";
-  else if (map && look.colour) text += "the map above is the last that was valid\n";
+  if (map && shown.reading.fresh())
+    text += nearest_words(*map) + "\n";
+  else if (map && look.colour)
+    text += "the map above is the last that was valid\n";
   return text;
 }
 
@@ -108,9 +115,12 @@ int map(const Options& options) {
     const auto now = std::chrono::steady_clock::now();
     if (!screen.live() && now - last < std::chrono::seconds(1)) continue;
     last = now;
-    if (options.json) screen.show(json_line(shown));
-    else if (screen.live()) screen.show(page(shown, {screen.columns() - 6, screen.rows() - 4, true, utf8, false}) + "q ends");
-    else screen.show(page(shown, {}));
+    if (options.json)
+      screen.show(json_line(shown));
+    else if (screen.live())
+      screen.show(page(shown, {screen.columns() - 6, screen.rows() - 4, true, utf8, false}) + "q ends");
+    else
+      screen.show(page(shown, {}));
   }
   return 0;
 }

@@ -43,7 +43,8 @@ Kinds scaled(const Image& map, const MapLook& look) {
   out.kinds.assign(static_cast<size_t>(out.width) * out.height, hidden);
   for (int y = 0; y < map.spec.height; ++y) {
     // The last row stands at the bottom: an odd row too many is added at the far end.
-    const int y0 = out.height - rows + y * rows / map.spec.height, y1 = out.height - rows + std::max((y + 1) * rows - 1, 0) / map.spec.height;
+    const int y0 = out.height - rows + y * rows / map.spec.height,
+              y1 = out.height - rows + std::max((y + 1) * rows - 1, 0) / map.spec.height;
     for (int x = 0; x < map.spec.width; ++x) {
       const Kind kind = kind_of(map, x, y);
       const int x0 = x * out.width / map.spec.width, x1 = ((x + 1) * out.width - 1) / map.spec.width;
@@ -63,10 +64,28 @@ int ink(Kind kind, bool old) {
   return old ? grey[kind] : live[kind];
 }
 
-std::string letter(Kind upper, Kind lower, const MapLook& look) {
-  if (!look.colour) return std::string(1, " .+#"[std::max(upper, lower)]);
-  if (!look.utf8) return "\x1b[48;5;" + std::to_string(ink(std::max(upper, lower), look.old)) + "m ";
-  return "\x1b[38;5;" + std::to_string(ink(upper, look.old)) + ";48;5;" + std::to_string(ink(lower, look.old)) + "m▀";
+/// One line of letters; colours are named only where they change, which keeps a slow ssh line fluent.
+std::string letters_of(const Kinds& kinds, int line, const MapLook& look) {
+  std::string text;
+  int ink_before = -1, ground_before = -1;
+  for (int x = 0; x < kinds.width; ++x) {
+    const Kind upper = kinds.at(x, 2 * line), lower = kinds.at(x, 2 * line + 1), both = std::max(upper, lower);
+    if (!look.colour) {
+      text += " .+#"[both];
+      continue;
+    }
+    const int top = ink(look.utf8 ? upper : both, look.old), ground = ink(look.utf8 ? lower : both, look.old);
+    if (ground != ground_before) text += "\x1b[48;5;" + std::to_string(ground) + "m";
+    ground_before = ground;
+    if (top == ground) {
+      text += ' ';
+      continue;
+    }
+    if (top != ink_before) text += "\x1b[38;5;" + std::to_string(top) + "m";
+    ink_before = top;
+    text += "▀";
+  }
+  return look.colour ? text + "\x1b[0m" : text;
 }
 
 /// "3 m" beside the line in which this range begins, else nothing.
@@ -86,9 +105,7 @@ std::vector<std::string> map_text(const Image& map, const MapLook& look) {
   const Kinds kinds = scaled(map, look);
   std::vector<std::string> lines;
   for (int line = 0; line < kinds.height / 2; ++line) {
-    std::string text;
-    for (int x = 0; x < kinds.width; ++x) text += letter(kinds.at(x, 2 * line), kinds.at(x, 2 * line + 1), look);
-    lines.push_back(text + (look.colour ? "\x1b[0m" : "") + range_label(map, kinds, line));
+    lines.push_back(letters_of(kinds, line, look) + range_label(map, kinds, line));
   }
   const double origin = usable(map.grid) ? static_cast<double>(map.grid.origin_column) * kinds.scale : kinds.width / 2.0;
   const int camera = std::clamp(static_cast<int>(origin), 0, kinds.width - 1);

@@ -14,10 +14,35 @@ namespace vdisp {
 namespace {
 
 using Stops = std::array<Colour, 9>;
-constexpr Stops turbo{{{48, 18, 59}, {70, 107, 227}, {40, 187, 236}, {49, 242, 153}, {162, 252, 60}, {237, 208, 58}, {251, 128, 34}, {210, 49, 5}, {122, 4, 3}}};
-constexpr Stops viridis{{{68, 1, 84}, {71, 45, 123}, {59, 82, 139}, {44, 114, 142}, {33, 145, 140}, {40, 174, 128}, {94, 201, 98}, {173, 220, 48}, {253, 231, 37}}};
-constexpr Stops gray{{{24, 24, 24}, {53, 53, 53}, {82, 82, 82}, {111, 111, 111}, {140, 140, 140}, {169, 169, 169}, {198, 198, 198}, {227, 227, 227}, {255, 255, 255}}};
-constexpr std::array<Colour, 8> labels{{{230, 159, 0}, {86, 180, 233}, {0, 158, 115}, {240, 228, 66}, {0, 114, 178}, {213, 94, 0}, {204, 121, 167}, {180, 180, 180}}};
+constexpr Stops turbo{{{48, 18, 59},
+                       {70, 107, 227},
+                       {40, 187, 236},
+                       {49, 242, 153},
+                       {162, 252, 60},
+                       {237, 208, 58},
+                       {251, 128, 34},
+                       {210, 49, 5},
+                       {122, 4, 3}}};
+constexpr Stops viridis{{{68, 1, 84},
+                         {71, 45, 123},
+                         {59, 82, 139},
+                         {44, 114, 142},
+                         {33, 145, 140},
+                         {40, 174, 128},
+                         {94, 201, 98},
+                         {173, 220, 48},
+                         {253, 231, 37}}};
+constexpr Stops gray{{{24, 24, 24},
+                      {53, 53, 53},
+                      {82, 82, 82},
+                      {111, 111, 111},
+                      {140, 140, 140},
+                      {169, 169, 169},
+                      {198, 198, 198},
+                      {227, 227, 227},
+                      {255, 255, 255}}};
+constexpr std::array<Colour, 8> labels{
+    {{230, 159, 0}, {86, 180, 233}, {0, 158, 115}, {240, 228, 66}, {0, 114, 178}, {213, 94, 0}, {204, 121, 167}, {180, 180, 180}}};
 
 template <class T, class Convert>
 Picture pixelwise(const Image& image, Convert convert) {
@@ -48,14 +73,14 @@ Picture disparities(const Image& image, Palette palette) {
 }
 
 Picture votes(const Image& image, Palette palette) {
-  const std::vector<Colour> colours = table(palette, votes_scale + 1, [](int n) { return 0.06 + 0.94 * std::log1p(n) / std::log1p(votes_scale); });
+  const auto place = [](int n) { return 0.06 + 0.94 * std::log1p(n) / std::log1p(votes_scale); };
+  const std::vector<Colour> colours = table(palette, votes_scale + 1, place);
   return pixelwise<int16_t>(image, [&](int16_t n) { return n <= 0 ? Colour{12, 12, 16} : colours[std::min<int>(n, votes_scale)]; });
 }
 
 Picture heights(const Image& image, Palette palette) {
-  const std::vector<Colour> colours = table(palette, height_scale_to - height_scale_from + 1, [](int i) {
-    return static_cast<double>(i) / (height_scale_to - height_scale_from);
-  });
+  const std::vector<Colour> colours = table(palette, height_scale_to - height_scale_from + 1,
+                                            [](int i) { return static_cast<double>(i) / (height_scale_to - height_scale_from); });
   return pixelwise<int16_t>(image, [&](int16_t mm) {
     return mm == height_unknown ? colours::panel : colours[std::clamp<int>(mm, height_scale_from, height_scale_to) - height_scale_from];
   });
@@ -88,7 +113,8 @@ Picture curve(const Image& image, const PaintStyle& style) {
 Colour map_colour(const GridGeometry& grid, int16_t count, bool seen) {
   if (is_obstacle(grid, count)) {
     const double strength = std::min(1.0, std::log(static_cast<double>(count) / std::max(grid.min_count, 1u) + 1.0) / std::log(50.0));
-    return {static_cast<uint8_t>(214 + 41 * strength), static_cast<uint8_t>(60 + 110 * strength), static_cast<uint8_t>(48 + 20 * strength)};
+    const auto channel = [&](int from, int rise) { return static_cast<uint8_t>(from + rise * strength); };
+    return {channel(214, 41), channel(60, 110), channel(48, 20)};
   }
   if (count > 0) return {112, 84, 52};
   return seen ? Colour{38, 52, 62} : Colour{22, 24, 29};
@@ -103,11 +129,16 @@ void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell)
       const int x = static_cast<int>(x0 + r * px * std::cos(angle)), y = static_cast<int>(y0 - r * px * std::sin(angle));
       picture.blend({x, y, 1, 1}, colours::dim, 130);
     }
-    picture.text(static_cast<int>(x0) + 4, static_cast<int>(y0 - r * px) + 2, std::to_string(static_cast<int>(r)) + " m", colours::dim);
+    // The number stands where the ring leaves the view, so that it hides no obstacle.
+    const double side = std::atan(static_cast<double>(grid.view_right));
+    const std::string label = std::to_string(static_cast<int>(r)) + " m";
+    const int x = std::min(static_cast<int>(x0 + r * px * std::sin(side)) + 6, picture.width() - Picture::text_width(label) - 2);
+    picture.text(x, static_cast<int>(y0 - r * px * std::cos(side)) - 4, label, colours::text);
   }
   for (const double slope : {static_cast<double>(grid.view_left), static_cast<double>(grid.view_right)})
     picture.line(x0, y0, x0 + slope * reach * px, y0 - reach * px, colours::accent);
-  for (int i = 0; i < 12; ++i) picture.fill({static_cast<int>(x0) - i / 2, static_cast<int>(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
+  for (int i = 0; i < 12; ++i)
+    picture.fill({static_cast<int>(x0) - i / 2, static_cast<int>(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
 }
 
 Painted plan(const Image& image, const PaintStyle& style) {
@@ -129,9 +160,7 @@ Painted plan(const Image& image, const PaintStyle& style) {
 
 }  // namespace
 
-std::string_view name(Palette palette) {
-  return palette == Palette::turbo ? "turbo" : palette == Palette::viridis ? "viridis" : "gray";
-}
+std::string_view name(Palette palette) { return palette == Palette::turbo ? "turbo" : palette == Palette::viridis ? "viridis" : "gray"; }
 
 Colour colour_of(Palette palette, double value) {
   const Stops& stops = palette == Palette::turbo ? turbo : palette == Palette::viridis ? viridis : gray;

@@ -14,6 +14,20 @@ void blend_pixel(Colour& pixel, Colour colour, int weight) {
   pixel = {mixed(pixel.r, colour.r, weight), mixed(pixel.g, colour.g, weight), mixed(pixel.b, colour.b, weight)};
 }
 
+/// Opacity 0..15 of a letter enlarged `size` times: between its pixels interpolated, with edges as sharp as the small one's.
+int enlarged(char letter, int x, int y, int size) {
+  if (size == 1) return letter_pixel(letter, x, y);
+  const auto pixel = [&](int u, int v) {
+    return u < 0 || v < 0 || u >= Picture::letter_width || v >= Picture::letter_height ? 0 : letter_pixel(letter, u, v);
+  };
+  const double u = (x + 0.5) / size - 0.5, v = (y + 0.5) / size - 0.5;
+  const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
+  const double du = u - u0, dv = v - v0;
+  const double mixed =
+      (pixel(u0, v0) * (1 - du) + pixel(u0 + 1, v0) * du) * (1 - dv) + (pixel(u0, v0 + 1) * (1 - du) + pixel(u0 + 1, v0 + 1) * du) * dv;
+  return static_cast<int>(std::clamp((mixed - 6.5) * size + 7.5, 0.0, 15.0));
+}
+
 Colour mean(const Picture& picture, int x0, int x1, int y0, int y1) {
   uint32_t r = 0, g = 0, b = 0, count = 0;
   for (int y = y0; y < y1; ++y) {
@@ -56,9 +70,9 @@ void Picture::line(double x0, double y0, double x1, double y1, Colour colour) {
 void Picture::text(int x0, int y0, std::string_view text, Colour colour, int size) {
   for (char letter : text) {
     if (x0 >= width_) return;
-    for (int y = 0; y < letter_height; ++y) {
-      for (int x = 0; x < letter_width; ++x) {
-        if (const int opacity = letter_pixel(letter, x, y)) blend({x0 + x * size, y0 + y * size, size, size}, colour, opacity * 17 + 1);
+    for (int y = 0; y < letter_height * size; ++y) {
+      for (int x = 0; x < letter_width * size; ++x) {
+        if (const int opacity = enlarged(letter, x, y, size)) blend({x0 + x, y0 + y, 1, 1}, colour, opacity * 17 + 1);
       }
     }
     x0 += letter_width * size;

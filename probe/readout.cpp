@@ -40,9 +40,12 @@ std::string disparity_words(const Image& image, int column, int row) {
 std::string map_words(const Image& image, int column, int row) {
   const int16_t count = image.row<int16_t>(row)[column];
   const Place place = place_of(image.grid, column, row);
-  const char* meaning = is_obstacle(image.grid, count) ? "obstacle" : count > 0 ? "fewer points than an obstacle"
-                        : in_view(image.grid, column, row) ? "nothing seen" : "out of view";
-  return format("%d points, %s  z %.2f m  x %+.2f m  (cell of %.2f m)", count, meaning, place.z, place.x, static_cast<double>(image.grid.cell));
+  const char* meaning = is_obstacle(image.grid, count)     ? "obstacle"
+                        : count > 0                        ? "fewer points than an obstacle"
+                        : in_view(image.grid, column, row) ? "nothing seen"
+                                                           : "out of view";
+  return format("%d points, %s  z %.2f m  x %+.2f m  (cell of %.2f m)", count, meaning, place.z, place.x,
+                static_cast<double>(image.grid.cell));
 }
 
 // The row under the cursor is not asked for: a curve has one row for each column.
@@ -88,14 +91,13 @@ std::string or_dash(const char* pattern, double value, double factor = 1) {
 std::vector<std::string> floor_text(const FloorModel& floor) {
   constexpr double degrees = 180 / M_PI;
   const char* state = floor.state == FloorState::found ? "found" : floor.state == FloorState::held ? "held" : "lost";
-  std::vector<std::string> lines{
-      std::string("floor       ") + state,
-      "line        row = " + or_dash("%.4f", floor.a) + " * column + " + or_dash("%.2f", floor.b),
-      "pitch       " + or_dash("%.2f deg", floor.pitch_rad, degrees) + or_dash("  (%.4f rad)", floor.pitch_rad),
-      "roll        " + or_dash("%.2f deg", floor.roll_rad, degrees),
-      "height      " + or_dash("%.3f m", floor.height_m),
-      "confidence  " + or_dash("%.2f", floor.confidence),
-      "points      " + std::to_string(floor.points)};
+  std::vector<std::string> lines{std::string("floor       ") + state,
+                                 "line        row = " + or_dash("%.4f", floor.a) + " * column + " + or_dash("%.2f", floor.b),
+                                 "pitch       " + or_dash("%.2f deg", floor.pitch_rad, degrees) + or_dash("  (%.4f rad)", floor.pitch_rad),
+                                 "roll        " + or_dash("%.2f deg", floor.roll_rad, degrees),
+                                 "height      " + or_dash("%.3f m", floor.height_m),
+                                 "confidence  " + or_dash("%.2f", floor.confidence),
+                                 "points      " + std::to_string(floor.points)};
   if (floor.reason != Reason::none) lines.push_back("reason      " + std::string(describe(floor.reason)));
   if (floor.mounting_differs) lines.push_back("mounting    differs from [mounting]");
   return lines;
@@ -104,10 +106,9 @@ std::vector<std::string> floor_text(const FloorModel& floor) {
 std::vector<std::string> scene_text(const TruthScene& scene) {
   constexpr double degrees = 180 / M_PI;
   static constexpr const char* kinds[] = {"?", "box", "post", "wall", "rock"};
-  std::vector<std::string> lines{"pitch       " + or_dash("%.2f deg", scene.pitch_rad, degrees),
-                                 "roll        " + or_dash("%.2f deg", scene.roll_rad, degrees),
-                                 "height      " + or_dash("%.3f m", scene.height_m),
-                                 "slope       " + or_dash("%.2f deg", scene.slope_rad, degrees)};
+  std::vector<std::string> lines{
+      "pitch       " + or_dash("%.2f deg", scene.pitch_rad, degrees), "roll        " + or_dash("%.2f deg", scene.roll_rad, degrees),
+      "height      " + or_dash("%.3f m", scene.height_m), "slope       " + or_dash("%.2f deg", scene.slope_rad, degrees)};
   for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
     const TruthObject& object = scene.objects[i];
     const auto kind = static_cast<uint32_t>(object.kind);
@@ -157,7 +158,8 @@ bool is_obstacle(const GridGeometry& grid, int16_t count) { return count > 0 && 
 
 bool in_view(const GridGeometry& grid, int column, int row) {
   const Place place = place_of(grid, column, row);
-  return place.z > 0 && place.x >= static_cast<double>(grid.view_left) * place.z && place.x <= static_cast<double>(grid.view_right) * place.z;
+  return place.z > 0 && place.x >= static_cast<double>(grid.view_left) * place.z &&
+         place.x <= static_cast<double>(grid.view_right) * place.z;
 }
 
 std::optional<Place> nearest_obstacle(const Image& map) {

@@ -20,7 +20,7 @@ inline DisparityScale disparity_scale(const CameraGeometry& camera) {
   return {from, from + range};
 }
 
-inline constexpr int votes_scale = 512;                                  ///< counts of the v-disparity, logarithmic
+inline constexpr int votes_scale = 512;                                 ///< counts of the v-disparity, logarithmic
 inline constexpr int height_scale_from = -500, height_scale_to = 1500;  ///< mm over the floor
 
 /// Rows of the picture that a line16 belongs to.

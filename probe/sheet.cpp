@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "ipc/png.h"
 #include "probe/contact_sheet.h"
 #include "probe/frame_set.h"
-#include "ipc/png.h"
 
 namespace vdisp {
 

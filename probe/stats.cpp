@@ -51,7 +51,8 @@ std::string table(const Catalogue& catalogue, const std::vector<Line>& lines, co
   size_t width = 5;
   for (const Line& line : lines) width = std::max(width, line.names.size());
   const int names = static_cast<int>(std::min<size_t>(width, 30));
-  std::snprintf(text, sizeof text, "%-*s %9s %8s %7s %9s %9s %9s %7s\n", names, "stage", "runs", "invalid", "drops", "last ms", "mean ms", "max ms", "Hz");
+  std::snprintf(text, sizeof text, "%-*s %9s %8s %7s %9s %9s %9s %7s\n", names, "stage", "runs", "invalid", "drops", "last ms", "mean ms",
+                "max ms", "Hz");
   out += text;
   for (const Line& line : lines) {
     const CatalogueEntry& e = line.entry;
@@ -69,12 +70,22 @@ std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, std
   nlohmann::ordered_json stages = nlohmann::ordered_json::array();
   for (const Line& line : lines) {
     const CatalogueEntry& e = line.entry;
-    stages.push_back({{"stage", line.names}, {"watched", e.watched != 0}, {"runs", e.runs}, {"invalid", e.invalid},
-                      {"drops", e.drops}, {"last_ns", e.last_ns}, {"mean_ns", e.mean_ns}, {"max_ns", e.max_ns},
+    stages.push_back({{"stage", line.names},
+                      {"watched", e.watched != 0},
+                      {"runs", e.runs},
+                      {"invalid", e.invalid},
+                      {"drops", e.drops},
+                      {"last_ns", e.last_ns},
+                      {"mean_ns", e.mean_ns},
+                      {"max_ns", e.max_ns},
                       {"rate_hz", line.rate > 0 ? nlohmann::ordered_json(line.rate) : nlohmann::ordered_json(nullptr)}});
   }
-  const nlohmann::ordered_json all{{"state", state}, {"steps", catalogue.steps}, {"blind_steps", catalogue.blind_steps},
-                                   {"period_ns", catalogue.period_ns}, {"step_mean_ns", catalogue.step_mean_ns}, {"stages", stages}};
+  const nlohmann::ordered_json all{{"state", state},
+                                   {"steps", catalogue.steps},
+                                   {"blind_steps", catalogue.blind_steps},
+                                   {"period_ns", catalogue.period_ns},
+                                   {"step_mean_ns", catalogue.step_mean_ns},
+                                   {"stages", stages}};
   return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

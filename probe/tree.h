@@ -11,9 +11,9 @@
 namespace vdisp {
 
 struct TreeLine {
-  size_t entry;         ///< index into the catalogue
-  std::string branch;   ///< what stands before the name: "| +- "
-  std::string also;     ///< its further inputs: "+ right"
+  size_t entry;        ///< index into the catalogue
+  std::string branch;  ///< what stands before the name: "| +- "
+  std::string also;    ///< its further inputs: "+ right"
 };
 
 /// Depth first, children in the catalogue's order. `ascii`: for terminals without UTF-8, and for the window.

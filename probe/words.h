@@ -20,10 +20,10 @@ struct Options {
   std::string name = "IPLObstacleDetection";  ///< [main] name of the daemon
   double wait_s = 0;                          ///< how long to wait for a daemon
   bool json = false, once = false;
-  bool picture = false;              ///< dump: also as painted
-  uint64_t frames = 1;               ///< dump
-  std::filesystem::path output;      ///< dump: folder; sheet: file
-  std::vector<std::string> topics;   ///< dump: empty for all; view, map: the one to show
+  bool picture = false;             ///< dump: also as painted
+  uint64_t frames = 1;              ///< dump
+  std::filesystem::path output;     ///< dump: folder; sheet: file
+  std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show
 };
 
 int view(const Options& options);

@@ -58,6 +58,15 @@ void draw_bar(Picture& page, const ScreenState& state) {
   if (x < right_x) page.text(right_x, 7, right, colours::dim);
 }
 
+// The letters of a branch as strokes: "|-" a fork, "`-" the last one, "| " passing by.
+void draw_branch(Picture& page, int x, int y, std::string_view branch) {
+  constexpr Colour ink{74, 80, 90};
+  for (size_t i = 0; i + 1 < branch.size(); i += 2, x += 2 * Picture::letter_width) {
+    if (branch[i] != ' ') page.fill({x + 4, y - 2, 1, branch[i] == '`' ? 10 : 20}, ink);
+    if (branch[i + 1] == '-') page.fill({x + 4, y + 8, 9, 1}, ink);
+  }
+}
+
 void draw_tree(Picture& page, Box room, const ScreenState& state) {
   page.fill(room, colours::panel);
   page.text(room.x + margin, room.y + 8, "stage", colours::dim);
@@ -70,7 +79,7 @@ void draw_tree(Picture& page, Box room, const ScreenState& state) {
     const bool here = static_cast<int>(line.entry) == state.shown;
     if (here) page.fill({room.x, y - 2, room.width, 20}, {44, 66, 92});
     const int name_x = room.x + margin + Picture::text_width(line.branch);
-    page.text(room.x + margin, y, line.branch, {74, 80, 90});
+    draw_branch(page, room.x + margin, y, line.branch);
     page.text(name_x, y, name_of(entry), here || entry.watched ? colours::text : colours::dim);
     char time[24] = "-";
     if (entry.runs) std::snprintf(time, sizeof time, "%.2f", static_cast<double>(entry.last_ns) / 1e6);
@@ -107,12 +116,15 @@ void draw_state(Picture& page, Box room, const ScreenState& state) {
 }
 
 void draw_help(Picture& page, Box room) {
-  static constexpr const char* lines[][2] = {
-      {"Down, left click", "next stage"},      {"Up, right click", "previous stage"},
-      {"Left, Right, wheel", "image of the stage"}, {"c", "next colour map"},
-      {"s", "save the picture as PNG"},        {"space", "freeze, and go on"},
-      {"t", "tree of the stages"},             {"?", "this help"},
-      {"q, Esc", "quit"}};
+  static constexpr const char* lines[][2] = {{"Down, left click", "next stage"},
+                                             {"Up, right click", "previous stage"},
+                                             {"Left, Right, wheel", "image of the stage"},
+                                             {"c", "next colour map"},
+                                             {"s", "save the picture as PNG"},
+                                             {"space", "freeze, and go on"},
+                                             {"t", "tree of the stages"},
+                                             {"?", "this help"},
+                                             {"q, Esc", "quit"}};
   const int height = static_cast<int>(std::size(lines)) * 22 + 24, width = 420;
   const Box box{room.x + (room.width - width) / 2, room.y + (room.height - height) / 2, width, height};
   page.blend(box, {10, 11, 14}, 235);
@@ -169,7 +181,9 @@ Picture draw_screen(const ScreenState& state, int width, int height) {
   page.text(width - Picture::text_width(keys) - margin, end + 5, keys, colours::dim);
   const size_t fits = static_cast<size_t>(std::max(0, width - Picture::text_width(keys) - 3 * margin) / Picture::letter_width);
   const bool told = !state.message.empty();
-  const std::string line = told ? state.message : value.empty() ? "point at the picture for its values" : value;
+  const bool picture = state.image && state.image->spec.pixel != Pixel::record;
+  const std::string hint = picture ? "point at the picture for its values" : "";
+  const std::string line = told ? state.message : value.empty() ? hint : value;
   page.text(margin, end + 5, line.substr(0, fits), told ? colours::accent : value.empty() ? colours::dim : colours::text);
   if (state.help) draw_help(page, {0, bar_height, width, end - bar_height});
   return page;

@@ -12,14 +12,14 @@ namespace vdisp {
 
 struct ScreenState {
   std::vector<CatalogueEntry> entries;
-  int shown = -1;                 ///< index into entries
-  const Image* image = nullptr;   ///< the last valid one of the stage shown; null: none yet
+  int shown = -1;                ///< index into entries
+  const Image* image = nullptr;  ///< the last valid one of the stage shown; null: none yet
   Trust trust = Trust::dead;
   Reason reason = Reason::none;
   double age_s = 0;
-  double rate = 0;                ///< images per second
-  std::string trouble;            ///< why there is no daemon
-  std::string message;            ///< shown for a while: "saved ..."
+  double rate = 0;      ///< images per second
+  std::string trouble;  ///< why there is no daemon
+  std::string message;  ///< shown for a while: "saved ..."
   PaintStyle style;
   bool tree = true, help = false, frozen = false;
   int mouse_x = -1, mouse_y = -1;

@@ -63,9 +63,7 @@ class Viewer {
       case Input::previous_stage: return step_stage(-1);
       case Input::next_image: return step_image(1);
       case Input::previous_image: return step_image(-1);
-      case Input::palette:
-        state_.style.palette = static_cast<Palette>((static_cast<int>(state_.style.palette) + 1) % palettes);
-        return;
+      case Input::palette: state_.style.palette = static_cast<Palette>((static_cast<int>(state_.style.palette) + 1) % palettes); return;
       case Input::save: return save();
       case Input::freeze: state_.frozen = !state_.frozen && kept_.get(); return;
       case Input::tree: state_.tree = !state_.tree; return;
@@ -79,7 +77,8 @@ class Viewer {
   std::vector<int> firsts() const {
     std::vector<int> result;
     for (size_t i = 0; i < state_.entries.size(); ++i) {
-      const bool known = std::any_of(result.begin(), result.end(), [&](int first) { return state_.entries[first].stage == state_.entries[i].stage; });
+      const bool known =
+          std::any_of(result.begin(), result.end(), [&](int first) { return state_.entries[first].stage == state_.entries[i].stage; });
       if (!known) result.push_back(static_cast<int>(i));
     }
     return result;
@@ -88,7 +87,8 @@ class Viewer {
   void step_stage(int by) {
     if (state_.shown < 0) return;
     const std::vector<int> stages = firsts();
-    const auto here = std::find_if(stages.begin(), stages.end(), [&](int first) { return state_.entries[first].stage == state_.entries[state_.shown].stage; });
+    const auto here = std::find_if(stages.begin(), stages.end(),
+                                   [&](int first) { return state_.entries[first].stage == state_.entries[state_.shown].stage; });
     const auto count = static_cast<int>(stages.size()), at = static_cast<int>(here - stages.begin());
     show(stages[(at + by + count) % count]);
   }
@@ -129,7 +129,8 @@ class Viewer {
     if (entries.empty()) return;
     state_.entries = std::move(entries);
     state_.style.picture_rows = picture_rows_of(state_.entries);
-    const auto same = std::find_if(state_.entries.begin(), state_.entries.end(), [&](const CatalogueEntry& e) { return name_of(e) == topic_name_; });
+    const auto same =
+        std::find_if(state_.entries.begin(), state_.entries.end(), [&](const CatalogueEntry& e) { return name_of(e) == topic_name_; });
     show(same == state_.entries.end() ? 0 : static_cast<int>(same - state_.entries.begin()));
     changed_ = true;
   }

@@ -44,7 +44,8 @@ Window::Window(const std::string& title, int width, int height) : implementation
     throw ProbeError(69, std::string("no display for a window (SDL: ") + SDL_GetError() + "); without one use vdisp-probe map");
   SDL_Rect usable;
   if (SDL_GetDisplayUsableBounds(0, &usable) == 0) width = std::min(width, usable.w), height = std::min(height, usable.h);
-  implementation_->window = SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
+  implementation_->window =
+      SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
   if (!implementation_->window) {
     const std::string error = SDL_GetError();
     SDL_Quit();
@@ -79,9 +80,7 @@ std::optional<Input> Window::wait(int limit_ms) {
       case SDL_MOUSEWHEEL:
         if (event.wheel.y != 0) return event.wheel.y < 0 ? Input::next_image : Input::previous_image;
         break;
-      case SDL_MOUSEMOTION:
-        implementation_->x = event.motion.x, implementation_->y = event.motion.y;
-        return Input::moved;
+      case SDL_MOUSEMOTION: implementation_->x = event.motion.x, implementation_->y = event.motion.y; return Input::moved;
       case SDL_WINDOWEVENT:
         if (event.window.event == SDL_WINDOWEVENT_LEAVE) implementation_->x = implementation_->y = -1;
         return Input::moved;
@@ -94,7 +93,8 @@ void Window::show(const Picture& picture) {
   if (picture.width() == 0 || picture.height() == 0) return;
   SDL_Surface* target = SDL_GetWindowSurface(implementation_->window);
   auto* pixels = const_cast<Colour*>(picture.row(0));  // SDL's surface is not const; it is only read
-  SDL_Surface* source = SDL_CreateRGBSurfaceWithFormatFrom(pixels, picture.width(), picture.height(), 24, picture.width() * 3, SDL_PIXELFORMAT_RGB24);
+  SDL_Surface* source =
+      SDL_CreateRGBSurfaceWithFormatFrom(pixels, picture.width(), picture.height(), 24, picture.width() * 3, SDL_PIXELFORMAT_RGB24);
   if (target && source && SDL_BlitSurface(source, nullptr, target, nullptr) == 0) SDL_UpdateWindowSurface(implementation_->window);
   SDL_FreeSurface(source);
 }

@@ -15,7 +15,10 @@
 namespace vdisp {
 namespace {
 
-template <class T> void set(Image& image, int x, int y, T value) { image.row<T>(y)[x] = value; }
+template <class T>
+void set(Image& image, int x, int y, T value) {
+  image.row<T>(y)[x] = value;
+}
 
 BufferOutlet blank(Pixel pixel, uint16_t width, uint16_t height) {
   BufferOutlet outlet({pixel, 0, width, height});
@@ -117,7 +120,8 @@ TEST(Paint, a_line_below_the_picture_is_drawn_there) {
 }
 
 TEST(Paint, every_kind_of_picture_can_be_painted_at_one_pixel) {
-  for (Pixel pixel : {Pixel::gray8, Pixel::mask8, Pixel::rgb8, Pixel::disparity16, Pixel::count16, Pixel::height16, Pixel::int8, Pixel::line16}) {
+  for (Pixel pixel :
+       {Pixel::gray8, Pixel::mask8, Pixel::rgb8, Pixel::disparity16, Pixel::count16, Pixel::height16, Pixel::int8, Pixel::line16}) {
     BufferOutlet outlet = blank(pixel, 1, 1);
     for (const char* topic : {"x", "map", "truth/object"}) EXPECT_GT(portrait(topic, outlet.loan(), {}).width(), 0) << name(pixel);
     EXPECT_FALSE(read_out("x", outlet.loan(), 0, 0).empty()) << name(pixel);
