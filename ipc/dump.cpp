@@ -31,9 +31,7 @@ const char* key(Rejected why) {
   return "unknown";
 }
 
-const char* state_word(FloorState state) {
-  return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost";
-}
+const char* state_word(FloorState state) { return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost"; }
 
 // A blind record's bytes are those of some earlier frame: nothing of them is told.
 ordered_json floor_json(const Image& image) {
@@ -56,27 +54,39 @@ ordered_json floor_json(const Image& image) {
 
 ordered_json scene_json(const TruthScene& scene) {
   static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock"};
-  ordered_json json{{"pitch_rad", number(scene.pitch_rad)}, {"roll_rad", number(scene.roll_rad)},
-                    {"height_m", number(scene.height_m)}, {"slope_rad", number(scene.slope_rad)},
+  ordered_json json{{"pitch_rad", number(scene.pitch_rad)},
+                    {"roll_rad", number(scene.roll_rad)},
+                    {"height_m", number(scene.height_m)},
+                    {"slope_rad", number(scene.slope_rad)},
                     {"objects", ordered_json::array()}};
   for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
     const TruthObject& object = scene.objects[i];
     const auto kind = static_cast<uint32_t>(object.kind);
-    json["objects"].push_back({{"number", i + 1}, {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
-                               {"textured", object.textured != 0}, {"x", number(object.x)}, {"z", number(object.z)},
-                               {"width", number(object.width)}, {"depth", number(object.depth)},
-                               {"height", number(object.height)}, {"yaw", number(object.yaw)}});
+    json["objects"].push_back({{"number", i + 1},
+                               {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
+                               {"textured", object.textured != 0},
+                               {"x", number(object.x)},
+                               {"z", number(object.z)},
+                               {"width", number(object.width)},
+                               {"depth", number(object.depth)},
+                               {"height", number(object.height)},
+                               {"yaw", number(object.yaw)}});
   }
   return json;
 }
 
 ordered_json camera_json(const CameraGeometry& camera) {
-  return {{"f", number(camera.f)}, {"cx", number(camera.cx)}, {"cy", number(camera.cy)}, {"baseline", number(camera.baseline)},
-          {"cx_offset", number(camera.cx_offset)}, {"min_disparity", camera.min_disparity}, {"disparities", camera.disparities}};
+  return {{"f", number(camera.f)},
+          {"cx", number(camera.cx)},
+          {"cy", number(camera.cy)},
+          {"baseline", number(camera.baseline)},
+          {"cx_offset", number(camera.cx_offset)},
+          {"min_disparity", camera.min_disparity},
+          {"disparities", camera.disparities}};
 }
 
 ordered_json grid_json(const GridGeometry& grid) {
-  return {{"cell", number(grid.cell)}, {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
+  return {{"cell", number(grid.cell)},           {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
           {"view_left", number(grid.view_left)}, {"view_right", number(grid.view_right)}, {"min_count", grid.min_count}};
 }
 
@@ -158,7 +168,7 @@ FrameDump::~FrameDump() {
   if (!part_.empty()) fs::remove_all(part_, ignored);
 }
 
-void FrameDump::write(const std::string& file, std::string_view bytes) {
+void FrameDump::add_file(const std::string& file, std::string_view bytes) {
   const fs::path path = part_ / file;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
@@ -171,8 +181,12 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (image.spec == record_spec<Catalogue>() || image.spec == record_spec<Heartbeat>()) return;
   if (!json_->seen) {
     json_->seen = true;
-    json_->head = {{"sequence", image.sequence}, {"timestamp_ns", image.timestamp_ns}, {"files", nullptr},
-                   {"valid", true}, {"reason", name(Reason::none)}, {"synthetic", (image.flags & flag_synthetic) != 0}};
+    json_->head = {{"sequence", image.sequence},
+                   {"timestamp_ns", image.timestamp_ns},
+                   {"files", nullptr},
+                   {"valid", true},
+                   {"reason", name(Reason::none)},
+                   {"synthetic", (image.flags & flag_synthetic) != 0}};
   }
   if (!image.valid() && json_->head["valid"] == true) {
     json_->head["valid"] = false;
@@ -190,20 +204,20 @@ void FrameDump::add_picture(const std::string& topic, const Image& image) {
   json_->stages[topic][grid ? "grid" : "camera"] = grid ? grid_json(image.grid) : camera_json(image.camera);
   switch (image.spec.pixel) {
     case Pixel::gray8:
-    case Pixel::mask8: return write(topic + ".png", plain(PngKind::gray8, image));
-    case Pixel::int8: return write(topic + ".png", plain(PngKind::gray8, image));  // -1 reads as 255
-    case Pixel::rgb8: return write(topic + ".png", plain(PngKind::rgb8, image));
-    case Pixel::line16: return write(topic + ".csv", line_csv(image));
-    case Pixel::height16: return write(topic + ".png", converted<uint16_t>(image, [](int height) { return height + 32768; }));
+    case Pixel::mask8: return add_file(topic + ".png", plain(PngKind::gray8, image));
+    case Pixel::int8: return add_file(topic + ".png", plain(PngKind::gray8, image));  // -1 reads as 255
+    case Pixel::rgb8: return add_file(topic + ".png", plain(PngKind::rgb8, image));
+    case Pixel::line16: return add_file(topic + ".csv", line_csv(image));
+    case Pixel::height16: return add_file(topic + ".png", converted<uint16_t>(image, [](int height) { return height + 32768; }));
     case Pixel::disparity16:
       json_->rejected[topic] = rejected_json(image);
-      write(topic + ".png", converted<uint16_t>(image, [](int d) { return d < 0 ? 0 : d; }));
-      return write(topic + "_reason.png", converted<uint8_t>(image, [](int16_t d) { return rejected_code(d); }));
+      add_file(topic + ".png", converted<uint16_t>(image, [](int d) { return d < 0 ? 0 : d; }));
+      return add_file(topic + "_reason.png", converted<uint8_t>(image, [](int16_t d) { return rejected_code(d); }));
     case Pixel::count16:
-      write(topic + ".png", converted<uint16_t>(image, [](int count) { return count < 0 ? 0 : count; }));
+      add_file(topic + ".png", converted<uint16_t>(image, [](int count) { return count < 0 ? 0 : count; }));
       if (!grid) return;
-      write(topic + ".pgm", map_pgm(image));
-      return write(topic + ".yaml", map_yaml(fs::path(topic).filename().string() + ".pgm", image.grid, image.spec.height));
+      add_file(topic + ".pgm", map_pgm(image));
+      return add_file(topic + ".yaml", map_yaml(fs::path(topic).filename().string() + ".pgm", image.grid, image.spec.height));
     default: return;
   }
 }
@@ -217,8 +231,8 @@ void FrameDump::finish(const std::string& left, const std::string& right) {
   frame.update(json_->records);
   frame["rejected"] = json_->rejected;
   frame["stages"] = json_->stages;
-  write("frame.json", frame.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
-  if (!json_->timing.empty()) write("timing.json", json_->timing.dump(1) + "\n");
+  add_file("frame.json", frame.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  if (!json_->timing.empty()) add_file("timing.json", json_->timing.dump(1) + "\n");
   if (rename(part_.c_str(), folder_.c_str()) != 0) throw write_error("cannot create", folder_, errno);
   part_.clear();
 }

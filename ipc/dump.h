@@ -26,6 +26,8 @@ class FrameDump {
   /// Pictures become files, records members of frame.json; of a blind image only its reason is written. `catalogue` and
   /// `heartbeat` tell of the daemon, not of the frame, and are passed over.
   void add(std::string_view topic, const Image& image);
+  /// One more file in the frame's folder; folders in `name` are created.
+  void add_file(const std::string& name, std::string_view bytes);
   /// Time that a stage took, for timing.json; without any there is no such file.
   void add_timing(std::string_view stage, int64_t ns);
   /// `left`, `right`: names of the files the pair was read from, or empty.
@@ -34,7 +36,6 @@ class FrameDump {
  private:
   struct Json;
   void add_picture(const std::string& topic, const Image& image);
-  void write(const std::string& name, std::string_view bytes);
 
   std::filesystem::path folder_, part_;
   std::unique_ptr<Json> json_;

@@ -43,8 +43,8 @@ std::string encode_png(PngKind kind, int width, int height, const std::function<
   try {
     png_set_write_fn(png, &bytes, append, nothing_to_flush);
     png_set_IHDR(png, info, width, height, kind == PngKind::gray16 ? 16 : 8,
-                 kind == PngKind::rgb8 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+                 kind == PngKind::rgb8 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png, 2);  // dumps of a thousand frames: speed before size
     png_set_filter(png, 0, PNG_FILTER_SUB);
     png_write_info(png, info);
@@ -66,9 +66,12 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   int error = 0;
   while (!bytes.empty() && !error) {
     const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written > 0) bytes.remove_prefix(static_cast<size_t>(written));
-    else if (written == 0) error = ENOSPC;
-    else if (errno != EINTR) error = errno;
+    if (written > 0)
+      bytes.remove_prefix(static_cast<size_t>(written));
+    else if (written == 0)
+      error = ENOSPC;
+    else if (errno != EINTR)
+      error = errno;
   }
   if (close(file) != 0 && !error && errno != EINTR) error = errno;
   if (!error && rename(part.c_str(), path.c_str()) == 0) return;

@@ -9,8 +9,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -71,7 +71,8 @@ class DumpTest : public testing::Test {
   fs::path root_;
 };
 
-template <class T> void set(BufferOutlet& outlet, std::initializer_list<T> values) {
+template <class T>
+void set(BufferOutlet& outlet, std::initializer_list<T> values) {
   Image& image = outlet.loan();
   auto value = values.begin();
   for (int y = 0; y < image.spec.height; ++y)
@@ -310,8 +311,10 @@ TEST_F(DumpTest, folder_that_may_not_be_written_is_73) {
   EXPECT_NE(message.find("cannot create"), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
   EXPECT_EQ(code_of([&] { write_file(root_ / "x.png", "x"); }, message), 73);
-  if (geteuid() == 0) umount(root_.c_str());
-  else fs::permissions(root_, fs::perms::owner_all);
+  if (geteuid() == 0)
+    umount(root_.c_str());
+  else
+    fs::permissions(root_, fs::perms::owner_all);
 }
 
 TEST_F(DumpTest, folder_below_a_file_is_73) {

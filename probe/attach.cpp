@@ -1,0 +1,74 @@
+// attach.cpp: reaching the daemon, in words and exit codes.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/attach.h"
+
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+
+namespace vdisp {
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+void request_stop(int) { stop_requested = 1; }
+
+}  // namespace
+
+void attach(Client& client, const Options& options) {
+  Connection connection = client.connection();
+  for (double waited = 0; connection == Connection::no_daemon && waited < options.wait_s && !stopped(); waited += 0.2) {
+    if (client.wait_for_daemon(Client::Time(200)))
+      connection = Connection::connected;
+    else
+      connection = client.connection();
+  }
+  switch (connection) {
+    case Connection::connected: return;
+    case Connection::no_daemon: throw ProbeError(69, client.message());
+    case Connection::no_permission: throw ProbeError(77, client.message());
+    case Connection::no_memory: throw ProbeError(71, client.message());
+  }
+}
+
+std::vector<CatalogueEntry> topics_of(Client& client) {
+  for (int tries = 0; tries < 50 && !stopped(); ++tries) {
+    std::vector<CatalogueEntry> topics = client.topics(Client::Time(100));
+    if (!topics.empty()) return topics;
+  }
+  throw ProbeError(69, "the daemon sent no catalogue of its stages within 5 s; is it still starting, or stopped?");
+}
+
+std::string_view name_of(const CatalogueEntry& entry) { return {entry.name, strnlen(entry.name, sizeof entry.name)}; }
+
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = request_stop;  // no SA_RESTART: waits in system calls end
+  for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+}
+
+bool stopped() { return stop_requested != 0; }
+
+std::string_view name(Trust trust) {
+  switch (trust) {
+    case Trust::fresh: return "fresh";
+    case Trust::blind: return "blind";
+    case Trust::stale: return "stale";
+    case Trust::dead: return "dead";
+  }
+  return "unknown";
+}
+
+std::string state_words(const Reading& reading) {
+  char age[32];
+  std::snprintf(age, sizeof age, "%.1f s old", reading.age_s);
+  switch (reading.trust) {
+    case Trust::fresh: return "FRESH";
+    case Trust::blind: return "BLIND: " + std::string(describe(reading.reason));
+    case Trust::stale: return reading.image ? "STALE: " + std::string(age) : "STALE: nothing has arrived yet";
+    case Trust::dead: return "DEAD: no daemon, waiting";
+  }
+  return "unknown";
+}
+
+}  // namespace vdisp

@@ -1,0 +1,75 @@
+// main.cpp: vdisp-probe: the words and their options.
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "ipc/png.h"
+#include "probe/words.h"
+
+namespace vdisp {
+namespace {
+
+void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
+  const auto add = [&](const char* name, const char* help, int (*function)(const Options&), bool names_daemon = true) {
+    CLI::App* sub = app.add_subcommand(name, help);
+    sub->callback([&word, function] { word = function; });
+    if (names_daemon) sub->add_option("-n,--name", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
+    sub->add_option("--wait", options.wait_s, "Wait up to this many seconds for a daemon")
+        ->check(CLI::Range(0.0, 1e6))
+        ->type_name("SECONDS");
+    return sub;
+  };
+  CLI::App* sub = add("view", "Page through the stages in a window: arrow keys, ? for help", view, false);
+  sub->add_option("NAME", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
+  sub->add_option("--stage", options.topics, "Stage to begin with")->expected(1)->type_name("TOPIC");
+  sub = add("list", "The stages as a tree: format, readers, runs, time", list);
+  sub->add_flag("--json", options.json, "As JSON");
+  sub = add("dump", "Write the images of whole frames to a folder, in the format of vdispd --dump", dump);
+  sub->add_option("DIR", options.output, "Folder; frames become DIR/000000, DIR/000001, ...")->required();
+  sub->add_option("TOPIC", options.topics, "Stages; none: all");
+  CLI::Option* frames =
+      sub->add_option("--frames", options.frames, "Frames to write")->check(CLI::Range(1, 1000000))->capture_default_str();
+  sub->add_flag("--once", options.once, "One frame")->excludes(frames);
+  sub->add_flag("--picture", options.picture, "Also as view shows them: STAGE_view.png");
+  sub = add("map", "The map, live in the terminal; q ends", map);
+  sub->add_flag("--once", options.once, "Print one map and end");
+  sub->add_flag("--json", options.json, "As JSON, one line for each map");
+  sub->add_option("--stage", options.topics, "Another map, such as truth/map")->expected(1)->type_name("TOPIC");
+  sub = add("stats", "Times, runs and drops of the stages, each second", stats);
+  sub->add_flag("--once", options.once, "Print once and end");
+  sub->add_flag("--json", options.json, "As JSON, one line a second");
+  sub = add("sheet", "All stages of one frame in one PNG file", sheet);
+  sub->add_option("FILE", options.output, "PNG file to write")->required();
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  CLI::App app("vdisp-probe looks at what vdispd publishes. vdisp-probe WORD --help tells more.", "vdisp-probe");
+  app.set_version_flag("--version", "vdisp-probe " VDISP_VERSION);
+  app.require_subcommand(1);
+  Options options;
+  int (*word)(const Options&) = nullptr;
+  add_words(app, options, word);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "vdisp-probe: " << error.what() << "; see vdisp-probe --help\n";
+    return 64;
+  }
+  try {
+    return word(options);
+  } catch (const ProbeError& error) {
+    std::cerr << "vdisp-probe: " << error.what() << "\n";
+    return error.exit_code;
+  } catch (const WriteError& error) {
+    std::cerr << "vdisp-probe: " << error.what() << "\n";
+    return error.exit_code;
+  }
+}
+
+}  // namespace vdisp
+
+int main(int argc, char** argv) { return vdisp::run(argc, argv); }

@@ -1,0 +1,128 @@
+// map.cpp: vdisp-probe map: the obstacle map in a terminal, also over ssh.
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "probe/attach.h"
+#include "probe/kept.h"
+#include "probe/map_text.h"
+#include "probe/readout.h"
+#include "probe/terminal.h"
+
+namespace vdisp {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// The last map with something on it, and what is to be said of the present.
+struct Shown {
+  KeptImage map;
+  Reading reading;  ///< its image is not to be looked at: it may be gone
+  uint64_t sequence = 0;
+  bool synthetic = false;
+};
+
+void take(Shown& shown, const Reading& reading) {
+  shown.reading = reading;
+  if (!reading.image) return;
+  shown.sequence = reading.image->sequence;
+  shown.synthetic = (reading.image->flags & flag_synthetic) != 0;
+  if (reading.image->valid() && reading.image->spec.pixel == Pixel::count16) shown.map.keep(*reading.image);
+}
+
+std::string json_line(const Shown& shown) {
+  const Image* map = shown.reading.fresh() ? shown.map.get() : nullptr;
+  ordered_json json{{"state", name(shown.reading.trust)}, {"reason", name(shown.reading.reason)}, {"age_s", shown.reading.age_s},
+                    {"sequence", shown.sequence},         {"synthetic", shown.synthetic},         {"nearest", nullptr}};
+  if (map) {
+    if (const auto place = nearest_obstacle(*map))
+      json["nearest"] = {{"x", place->x}, {"z", place->z}, {"distance", place->distance()}, {"bearing_deg", place->bearing_deg()}};
+    const GridGeometry& grid = map->grid;
+    json.update({{"timestamp_ns", map->timestamp_ns},
+                 {"columns", map->spec.width},
+                 {"rows", map->spec.height},
+                 {"cell", grid.cell},
+                 {"origin_row", grid.origin_row},
+                 {"origin_column", grid.origin_column},
+                 {"min_count", grid.min_count}});
+    ordered_json rows = ordered_json::array();
+    for (int y = 0; y < map->spec.height; ++y) {
+      const int16_t* counts = map->row<int16_t>(y);
+      rows.push_back(std::vector<int>(counts, counts + map->spec.width));
+    }
+    json["counts"] = rows;
+  }
+  return json.dump() + "\n";
+}
+
+std::string state_line(const Shown& shown, bool colour) {
+  constexpr const char* inks[] = {"\x1b[1;38;5;114m", "\x1b[1;38;5;221m", "\x1b[1;38;5;215m", "\x1b[1;38;5;203m"};
+  const std::string state = state_words(shown.reading);
+  char text[96];
+  std::snprintf(text, sizeof text, "  frame %llu, %.0f ms old%s", static_cast<unsigned long long>(shown.sequence),
+                1000 * shown.reading.age_s, shown.synthetic ? ", synthetic" : "");
+  const std::string frame = shown.reading.trust == Trust::fresh ? text : "";
+  return colour ? inks[static_cast<int>(shown.reading.trust)] + state + "\x1b[0m" + frame : state + frame;
+}
+
+std::string page(const Shown& shown, MapLook look) {
+  std::string text;
+  const Image* map = shown.map.get();
+  look.old = !shown.reading.fresh();
+  if (map && (look.colour || !look.old)) {
+    for (const std::string& line : map_text(*map, look)) text += line + "\n";
+  }
+  text += state_line(shown, look.colour) + "\n";
+  if (map && shown.reading.fresh())
+    text += nearest_words(*map) + "\n";
+  else if (map && look.colour)
+    text += "the map above is the last that was valid\n";
+  return text;
+}
+
+int print_once(Client& client, Client::Topic topic, const Options& options) {
+  Shown shown;
+  for (int tries = 0; tries < 50 && !stopped(); ++tries) {
+    take(shown, client.wait(topic, Client::Time(100)));
+    if (!shown.reading.image || shown.reading.trust == Trust::stale) continue;
+    const bool colour = isatty(STDOUT_FILENO) == 1;
+    std::fputs(options.json ? json_line(shown).c_str() : page(shown, {0, 0, colour, colour && utf8_terminal(), false}).c_str(), stdout);
+    return 0;
+  }
+  if (stopped()) return 0;
+  throw ProbeError(69, "no map came within 5 s; see vdisp-probe list and vdisp-probe stats");
+}
+
+}  // namespace
+
+int map(const Options& options) {
+  stop_on_signals();
+  Client client(options.name);
+  attach(client, options);
+  const Client::Topic topic = client.subscribe(options.topics.empty() ? "map" : options.topics.front());
+  if (options.once) return print_once(client, topic, options);
+  Shown shown;
+  LiveScreen screen;
+  const bool utf8 = utf8_terminal();
+  auto last = std::chrono::steady_clock::time_point();
+  while (!stopped()) {
+    const char key = screen.key(screen.live() ? 100 : 50);
+    if (key == 'q' || key == 27) break;
+    take(shown, client.wait(topic, Client::Time(100)));
+    const auto now = std::chrono::steady_clock::now();
+    if (!screen.live() && now - last < std::chrono::seconds(1)) continue;
+    last = now;
+    if (options.json)
+      screen.show(json_line(shown));
+    else if (screen.live())
+      screen.show(page(shown, {screen.columns() - 6, screen.rows() - 4, true, utf8, false}) + "q ends");
+    else
+      screen.show(page(shown, {}));
+  }
+  return 0;
+}
+
+}  // namespace vdisp

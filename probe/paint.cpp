@@ -1,0 +1,196 @@
+// paint.cpp: a colour for every kind of pixel; the map as a plan with ranges, lines as a curve.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/paint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ipc/dump.h"
+#include "probe/readout.h"
+#include "probe/scales.h"
+
+namespace vdisp {
+namespace {
+
+using Stops = std::array<Colour, 9>;
+constexpr Stops turbo{{{48, 18, 59},
+                       {70, 107, 227},
+                       {40, 187, 236},
+                       {49, 242, 153},
+                       {162, 252, 60},
+                       {237, 208, 58},
+                       {251, 128, 34},
+                       {210, 49, 5},
+                       {122, 4, 3}}};
+constexpr Stops viridis{{{68, 1, 84},
+                         {71, 45, 123},
+                         {59, 82, 139},
+                         {44, 114, 142},
+                         {33, 145, 140},
+                         {40, 174, 128},
+                         {94, 201, 98},
+                         {173, 220, 48},
+                         {253, 231, 37}}};
+constexpr Stops gray{{{24, 24, 24},
+                      {53, 53, 53},
+                      {82, 82, 82},
+                      {111, 111, 111},
+                      {140, 140, 140},
+                      {169, 169, 169},
+                      {198, 198, 198},
+                      {227, 227, 227},
+                      {255, 255, 255}}};
+constexpr std::array<Colour, 8> labels{
+    {{230, 159, 0}, {86, 180, 233}, {0, 158, 115}, {240, 228, 66}, {0, 114, 178}, {213, 94, 0}, {204, 121, 167}, {180, 180, 180}}};
+
+template <class T, class Convert>
+Picture pixelwise(const Image& image, Convert convert) {
+  Picture picture(image.spec.width, image.spec.height);
+  for (int y = 0; y < image.spec.height; ++y) {
+    const T* from = image.row<T>(y);
+    std::transform(from, from + image.spec.width, picture.row(y), convert);
+  }
+  return picture;
+}
+
+/// All colours a palette gives to n values, so that pixels only look them up.
+template <class Value>
+std::vector<Colour> table(Palette palette, int n, Value value) {
+  std::vector<Colour> colours(n);
+  for (int i = 0; i < n; ++i) colours[i] = colour_of(palette, value(i));
+  return colours;
+}
+
+Picture disparities(const Image& image, Palette palette) {
+  const DisparityScale scale = disparity_scale(image.camera);
+  const int range = 16 * (scale.to - scale.from);
+  const std::vector<Colour> colours = table(palette, range + 1, [&](int i) { return static_cast<double>(i) / range; });
+  return pixelwise<int16_t>(image, [&](int16_t d) {
+    const uint8_t code = rejected_code(d);
+    return code ? rejected_colour(code) : colours[std::clamp(d - 16 * scale.from, 0, range)];
+  });
+}
+
+Picture votes(const Image& image, Palette palette) {
+  const auto place = [](int n) { return 0.06 + 0.94 * std::log1p(n) / std::log1p(votes_scale); };
+  const std::vector<Colour> colours = table(palette, votes_scale + 1, place);
+  return pixelwise<int16_t>(image, [&](int16_t n) { return n <= 0 ? Colour{12, 12, 16} : colours[std::min<int>(n, votes_scale)]; });
+}
+
+Picture heights(const Image& image, Palette palette) {
+  const std::vector<Colour> colours = table(palette, height_scale_to - height_scale_from + 1,
+                                            [](int i) { return static_cast<double>(i) / (height_scale_to - height_scale_from); });
+  return pixelwise<int16_t>(image, [&](int16_t mm) {
+    return mm == height_unknown ? colours::panel : colours[std::clamp<int>(mm, height_scale_from, height_scale_to) - height_scale_from];
+  });
+}
+
+Picture occupancy(const Image& image, Palette palette) {
+  return pixelwise<int8_t>(image, [&](int8_t p) { return p < 0 ? Colour{70, 74, 82} : colour_of(palette, p / 100.0); });
+}
+
+// Rows below the picture are part of the result: obstacles near the camera stand on floor that it does not see.
+Picture curve(const Image& image, const PaintStyle& style) {
+  const int rows = line_rows(image, style), width = image.spec.width;
+  Picture picture(width, rows + rows / 5, {22, 25, 30});
+  picture.fill({0, rows, width, rows / 5}, {14, 15, 18});
+  for (int x = 0; x < width; x += 128) picture.fill({x, 0, 1, picture.height()}, {44, 48, 56});
+  for (int y = 0; y < picture.height(); y += 100) picture.fill({0, y, width, 1}, {44, 48, 56});
+  picture.fill({0, rows, width, 1}, colours::dim);
+  picture.text(6, rows + 4, "below the picture", colours::dim);
+  for (int x = 128; x + 64 < width; x += 128)
+    picture.text(x + 4, 4, std::to_string(x / 16 + image.camera.min_disparity) + " px", colours::dim);
+  const int16_t* line = image.row<int16_t>(0);
+  for (int x = 0; x < width; ++x) {
+    if (line[x] == line_none) continue;
+    const int from = x > 0 && line[x - 1] != line_none ? line[x - 1] : line[x];
+    picture.fill({x, std::min<int>(from, line[x]) - 1, 1, std::abs(line[x] - from) + 3}, colours::warning);
+  }
+  return picture;
+}
+
+Colour map_colour(const GridGeometry& grid, int16_t count, bool seen) {
+  if (is_obstacle(grid, count)) {
+    const double strength = std::min(1.0, std::log(static_cast<double>(count) / std::max(grid.min_count, 1u) + 1.0) / std::log(50.0));
+    const auto channel = [&](int from, int rise) { return static_cast<uint8_t>(from + rise * strength); };
+    return {channel(214, 41), channel(60, 110), channel(48, 20)};
+  }
+  if (count > 0) return {112, 84, 52};
+  return seen ? Colour{38, 52, 62} : Colour{22, 24, 29};
+}
+
+void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell) {
+  const double px = cell / static_cast<double>(grid.cell);
+  const double x0 = static_cast<double>(grid.origin_column) * cell, y0 = static_cast<double>(grid.origin_row) * cell;
+  const double reach = rows * static_cast<double>(grid.cell), step = reach > 12 ? (reach > 60 ? 20 : 5) : 1;
+  for (double r = step; r < reach * 1.3; r += step) {
+    for (double angle = 0; angle < M_PI; angle += 0.6 / (r * px)) {
+      const int x = static_cast<int>(x0 + r * px * std::cos(angle)), y = static_cast<int>(y0 - r * px * std::sin(angle));
+      picture.blend({x, y, 1, 1}, colours::dim, 130);
+    }
+    // The number stands where the ring leaves the view, so that it hides no obstacle.
+    const double side = std::atan(static_cast<double>(grid.view_right));
+    const std::string label = std::to_string(static_cast<int>(r)) + " m";
+    const int x = std::min(static_cast<int>(x0 + r * px * std::sin(side)) + 6, picture.width() - Picture::text_width(label) - 2);
+    picture.text(x, static_cast<int>(y0 - r * px * std::cos(side)) - 4, label, colours::text);
+  }
+  for (const double slope : {static_cast<double>(grid.view_left), static_cast<double>(grid.view_right)})
+    picture.line(x0, y0, x0 + slope * reach * px, y0 - reach * px, colours::accent);
+  for (int i = 0; i < 12; ++i)
+    picture.fill({static_cast<int>(x0) - i / 2, static_cast<int>(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
+}
+
+Painted plan(const Image& image, const PaintStyle& style) {
+  const GridGeometry& grid = image.grid;
+  const int columns = image.spec.width, rows = image.spec.height;
+  const int cell = std::max(1, std::min(style.map_room_width / columns, style.map_room_height / rows));
+  Painted painted{Picture(columns * cell, rows * cell), cell};
+  for (int y = 0; y < rows; ++y) {
+    const int16_t* counts = image.row<int16_t>(y);
+    for (int x = 0; x < columns; ++x) {
+      const int gap = cell > 5 ? 1 : 0;
+      painted.picture.fill({x * cell, y * cell, cell, cell}, {16, 18, 22});
+      painted.picture.fill({x * cell, y * cell, cell - gap, cell - gap}, map_colour(grid, counts[x], in_view(grid, x, y)));
+    }
+  }
+  if (usable(grid)) draw_ranges(painted.picture, grid, rows, cell);
+  return painted;
+}
+
+}  // namespace
+
+std::string_view name(Palette palette) { return palette == Palette::turbo ? "turbo" : palette == Palette::viridis ? "viridis" : "gray"; }
+
+Colour colour_of(Palette palette, double value) {
+  const Stops& stops = palette == Palette::turbo ? turbo : palette == Palette::viridis ? viridis : gray;
+  const double place = std::clamp(value, 0.0, 1.0) * static_cast<double>(stops.size() - 1);
+  const size_t i = std::min(static_cast<size_t>(place), stops.size() - 2);
+  const double part = place - static_cast<double>(i);
+  const auto mix = [&](uint8_t a, uint8_t b) { return static_cast<uint8_t>(std::lround(a + (b - a) * part)); };
+  return {mix(stops[i].r, stops[i + 1].r), mix(stops[i].g, stops[i + 1].g), mix(stops[i].b, stops[i + 1].b)};
+}
+
+Colour rejected_colour(uint8_t code) {
+  constexpr std::array<Colour, 7> muted{{{0, 0, 0}, {58, 50, 78}, {86, 70, 40}, {38, 76, 74}, {96, 46, 58}, {30, 32, 38}, {64, 66, 70}}};
+  return muted[code < muted.size() ? code : 6];
+}
+
+Painted paint(std::string_view topic, const Image& image, const PaintStyle& style) {
+  switch (image.spec.pixel) {
+    case Pixel::gray8:
+      if (topic.ends_with("object"))  // numbers of the simulator's objects, not brightness
+        return {pixelwise<uint8_t>(image, [](uint8_t n) { return n ? labels[n % labels.size()] : colours::panel; })};
+      return {pixelwise<uint8_t>(image, [](uint8_t v) { return Colour{v, v, v}; })};
+    case Pixel::mask8: return {pixelwise<uint8_t>(image, [](uint8_t v) { return v ? Colour{236, 92, 60} : Colour{28, 34, 40}; })};
+    case Pixel::rgb8: return {pixelwise<Colour>(image, [](Colour v) { return v; })};
+    case Pixel::disparity16: return {disparities(image, style.palette)};
+    case Pixel::count16: return is_grid(topic) ? plan(image, style) : Painted{votes(image, style.palette)};
+    case Pixel::height16: return {heights(image, style.palette)};
+    case Pixel::int8: return {occupancy(image, style.palette)};
+    case Pixel::line16: return {curve(image, style)};
+    default: return {Picture(image.spec.width, image.spec.height, colours::panel)};
+  }
+}
+
+}  // namespace vdisp

@@ -1,0 +1,177 @@
+// readout.cpp: pixels, records and maps in words.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/readout.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "ipc/dump.h"
+#include "ipc/records.h"
+
+namespace vdisp {
+namespace {
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+  char text[256];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+/// Depth of a disparity in px, and where the column lies at it.
+std::string metres(const CameraGeometry& camera, double disparity, std::optional<int> column = {}) {
+  if (!(camera.f > 0) || !(camera.baseline > 0)) return "  no calibration: no metres";
+  const double true_disparity = disparity - static_cast<double>(camera.cx_offset);
+  if (true_disparity <= 0) return "  at infinity";
+  const double z = static_cast<double>(camera.f) * static_cast<double>(camera.baseline) / true_disparity;
+  if (!column) return format("  Z %.2f m", z);
+  return format("  Z %.2f m  X %+.2f m", z, (*column - static_cast<double>(camera.cx)) * z / static_cast<double>(camera.f));
+}
+
+std::string disparity_words(const Image& image, int column, int row) {
+  const int16_t d = image.row<int16_t>(row)[column];
+  if (const uint8_t code = rejected_code(d)) return "none: " + std::string(name(Rejected{code}));
+  return format("%.2f px", d / 16.0) + metres(image.camera, d / 16.0, column);
+}
+
+std::string map_words(const Image& image, int column, int row) {
+  const int16_t count = image.row<int16_t>(row)[column];
+  const Place place = place_of(image.grid, column, row);
+  const char* meaning = is_obstacle(image.grid, count)     ? "obstacle"
+                        : count > 0                        ? "fewer points than an obstacle"
+                        : in_view(image.grid, column, row) ? "nothing seen"
+                                                           : "out of view";
+  return format("%d points, %s  z %.2f m  x %+.2f m  (cell of %.2f m)", count, meaning, place.z, place.x,
+                static_cast<double>(image.grid.cell));
+}
+
+// The row under the cursor is not asked for: a curve has one row for each column.
+std::string line_words(const Image& image, int column) {
+  const double disparity = column / 16.0 + image.camera.min_disparity;
+  const int16_t row = image.row<int16_t>(0)[column];
+  const std::string at = format("disparity %.2f px: ", disparity);
+  return at + (row == line_none ? std::string("no line here") : format("row %d", row)) + metres(image.camera, disparity);
+}
+
+std::string value_words(std::string_view topic, const Image& image, int column, int row) {
+  switch (image.spec.pixel) {
+    case Pixel::gray8: return std::to_string(image.row<uint8_t>(row)[column]);
+    case Pixel::mask8: return image.row<uint8_t>(row)[column] ? "set" : "not set";
+    case Pixel::rgb8: {
+      const uint8_t* rgb = image.row<uint8_t>(row) + 3 * column;
+      return format("%d %d %d", rgb[0], rgb[1], rgb[2]);
+    }
+    case Pixel::disparity16: return disparity_words(image, column, row);
+    case Pixel::count16: {
+      if (is_grid(topic)) return map_words(image, column, row);
+      const double disparity = column / 16.0 + image.camera.min_disparity;
+      return format("%d votes for disparity %.2f px", image.row<int16_t>(row)[column], disparity) + metres(image.camera, disparity);
+    }
+    case Pixel::height16: {
+      const int16_t mm = image.row<int16_t>(row)[column];
+      return mm == height_unknown ? "height unknown" : format("%+.3f m over the floor", mm / 1000.0);
+    }
+    case Pixel::int8: {
+      const int8_t percent = image.row<int8_t>(row)[column];
+      return percent < 0 ? "unknown" : format("%d %% occupied", percent);
+    }
+    default: return {};
+  }
+}
+
+std::string or_dash(const char* pattern, double value, double factor = 1) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value * factor);
+  return std::isfinite(value) ? text : "-";
+}
+
+std::vector<std::string> floor_text(const FloorModel& floor) {
+  constexpr double degrees = 180 / M_PI;
+  const char* state = floor.state == FloorState::found ? "found" : floor.state == FloorState::held ? "held" : "lost";
+  std::vector<std::string> lines{std::string("floor       ") + state,
+                                 "line        row = " + or_dash("%.4f", floor.a) + " * column + " + or_dash("%.2f", floor.b),
+                                 "pitch       " + or_dash("%.2f deg", floor.pitch_rad, degrees) + or_dash("  (%.4f rad)", floor.pitch_rad),
+                                 "roll        " + or_dash("%.2f deg", floor.roll_rad, degrees),
+                                 "height      " + or_dash("%.3f m", floor.height_m),
+                                 "confidence  " + or_dash("%.2f", floor.confidence),
+                                 "points      " + std::to_string(floor.points)};
+  if (floor.reason != Reason::none) lines.push_back("reason      " + std::string(describe(floor.reason)));
+  if (floor.mounting_differs) lines.push_back("mounting    differs from [mounting]");
+  return lines;
+}
+
+std::vector<std::string> scene_text(const TruthScene& scene) {
+  constexpr double degrees = 180 / M_PI;
+  static constexpr const char* kinds[] = {"?", "box", "post", "wall", "rock"};
+  std::vector<std::string> lines{
+      "pitch       " + or_dash("%.2f deg", scene.pitch_rad, degrees), "roll        " + or_dash("%.2f deg", scene.roll_rad, degrees),
+      "height      " + or_dash("%.3f m", scene.height_m), "slope       " + or_dash("%.2f deg", scene.slope_rad, degrees)};
+  for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
+    const TruthObject& object = scene.objects[i];
+    const auto kind = static_cast<uint32_t>(object.kind);
+    lines.push_back(format("%2u %-5s x %+.2f  z %.2f  %.2f x %.2f x %.2f m", i + 1, kinds[kind < std::size(kinds) ? kind : 0],
+                           static_cast<double>(object.x), static_cast<double>(object.z), static_cast<double>(object.width),
+                           static_cast<double>(object.depth), static_cast<double>(object.height)));
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string spec_words(const ImageSpec& spec) {
+  if (spec.pixel == Pixel::record) return "record " + std::to_string(spec.width) + " bytes";
+  return std::string(name(spec.pixel)) + " " + std::to_string(spec.width) + "x" + std::to_string(spec.height);
+}
+
+std::string read_out(std::string_view topic, const Image& image, int column, int row) {
+  if (!image.valid() || image.spec.pixel == Pixel::record || column < 0 || row < 0 || column >= image.spec.width) return {};
+  const std::string where = format("row %d  column %d   ", row, column);
+  if (image.spec.pixel == Pixel::line16) return where + line_words(image, column);
+  return row < image.spec.height ? where + value_words(topic, image, column, row) : std::string();
+}
+
+std::vector<std::string> record_text(const Image& image) {
+  if (!image.valid()) return {"blind: " + std::string(describe(image.reason))};
+  if (const FloorModel* floor = record_of<FloorModel>(image)) return floor_text(*floor);
+  if (const TruthScene* scene = record_of<TruthScene>(image)) return scene_text(*scene);
+  return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
+}
+
+double Place::distance() const { return std::hypot(x, z); }
+double Place::bearing_deg() const { return std::atan2(x, z) * 180 / M_PI; }
+
+bool usable(const GridGeometry& grid) {
+  const auto within = [](float value, float limit) { return std::abs(value) <= limit; };  // false for NaN
+  return grid.cell > 0 && within(grid.cell, 1e3f) && within(grid.origin_row, 1e5f) && within(grid.origin_column, 1e5f) &&
+         within(grid.view_left, 1e3f) && within(grid.view_right, 1e3f);
+}
+
+Place place_of(const GridGeometry& grid, double column, double row) {
+  const double cell = grid.cell;
+  return {(column + 0.5 - static_cast<double>(grid.origin_column)) * cell, (static_cast<double>(grid.origin_row) - row - 0.5) * cell};
+}
+
+bool is_obstacle(const GridGeometry& grid, int16_t count) { return count > 0 && static_cast<uint32_t>(count) >= grid.min_count; }
+
+bool in_view(const GridGeometry& grid, int column, int row) {
+  const Place place = place_of(grid, column, row);
+  return place.z > 0 && place.x >= static_cast<double>(grid.view_left) * place.z &&
+         place.x <= static_cast<double>(grid.view_right) * place.z;
+}
+
+std::optional<Place> nearest_obstacle(const Image& map) {
+  std::optional<Place> nearest;
+  for (int y = 0; y < map.spec.height; ++y) {
+    for (int x = 0; x < map.spec.width; ++x) {
+      if (!is_obstacle(map.grid, map.row<int16_t>(y)[x])) continue;
+      const Place place = place_of(map.grid, x, y);
+      if (!nearest || place.distance() < nearest->distance()) nearest = place;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace vdisp

@@ -1,0 +1,33 @@
+// scales.h: the fixed scales of the pictures: a colour means the same in every frame.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "ipc/image.h"
+#include "probe/paint.h"
+
+namespace vdisp {
+
+/// Disparities from..to (px) share the palette: the matcher's search range.
+struct DisparityScale {
+  int from, to;
+};
+inline DisparityScale disparity_scale(const CameraGeometry& camera) {
+  const int range = camera.disparities > 0 && camera.disparities <= 4096 ? camera.disparities : 64;
+  const int from = std::clamp(camera.min_disparity, -4096, 4096);
+  return {from, from + range};
+}
+
+inline constexpr int votes_scale = 512;                                 ///< counts of the v-disparity, logarithmic
+inline constexpr int height_scale_from = -500, height_scale_to = 1500;  ///< mm over the floor
+
+/// Rows of the picture that a line16 belongs to.
+inline int line_rows(const Image& image, const PaintStyle& style) {
+  if (style.picture_rows > 0) return style.picture_rows;
+  const float guess = 2 * image.camera.cy;
+  return guess >= 40 && guess <= 8192 ? static_cast<int>(std::lround(guess)) : 480;
+}
+
+}  // namespace vdisp

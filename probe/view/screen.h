@@ -1,0 +1,31 @@
+// screen.h: what the window shows, drawn into a picture: a bar, the stage, its legend, the value under the cursor, the tree.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ipc/include/vdisp/client.h"
+#include "probe/paint.h"
+
+namespace vdisp {
+
+struct ScreenState {
+  std::vector<CatalogueEntry> entries;
+  int shown = -1;                ///< index into entries
+  const Image* image = nullptr;  ///< the last valid one of the stage shown; null: none yet
+  Trust trust = Trust::dead;
+  Reason reason = Reason::none;
+  double age_s = 0;
+  double rate = 0;      ///< images per second
+  std::string trouble;  ///< why there is no daemon
+  std::string message;  ///< shown for a while: "saved ..."
+  PaintStyle style;
+  bool tree = true, help = false, frozen = false;
+  int mouse_x = -1, mouse_y = -1;
+};
+
+/// The whole window, width x height.
+Picture draw_screen(const ScreenState& state, int width, int height);
+
+}  // namespace vdisp

@@ -1,0 +1,119 @@
+// window.cpp: the only file that knows SDL. It draws through the window's surface: no OpenGL, also under Xvfb and ssh -X.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/view/window.h"
+
+#include <SDL2/SDL.h>
+
+#include <algorithm>
+
+#include "probe/words.h"
+
+namespace vdisp {
+
+struct Window::Implementation {
+  SDL_Window* window = nullptr;
+  bool inside = false;
+  int x = -1, y = -1;
+};
+
+namespace {
+
+std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
+  switch (key.keysym.sym) {
+    case SDLK_DOWN: return Input::next_stage;
+    case SDLK_UP: return Input::previous_stage;
+    case SDLK_RIGHT: return Input::next_image;
+    case SDLK_LEFT: return Input::previous_image;
+    case SDLK_q:
+    case SDLK_ESCAPE: return Input::quit;
+    case SDLK_c: return Input::palette;
+    case SDLK_s: return Input::save;
+    case SDLK_SPACE: return Input::freeze;
+    case SDLK_t: return Input::tree;
+    case SDLK_F1:
+    case SDLK_h: return Input::help;
+    default: return {};
+  }
+}
+
+}  // namespace
+
+Window::Window(const std::string& title, int width, int height) : implementation_(std::make_unique<Implementation>()) {
+  SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+  if (SDL_Init(SDL_INIT_VIDEO) != 0)
+    throw ProbeError(69, std::string("no display for a window (SDL: ") + SDL_GetError() + "); without one use vdisp-probe map");
+  SDL_Rect usable;
+  if (SDL_GetDisplayUsableBounds(0, &usable) == 0) width = std::min(width, usable.w), height = std::min(height, usable.h);
+  implementation_->window =
+      SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
+  if (!implementation_->window) {
+    const std::string error = SDL_GetError();
+    SDL_Quit();
+    throw ProbeError(69, "cannot open a window (SDL: " + error + "); without a display use vdisp-probe map");
+  }
+  SDL_SetWindowMinimumSize(implementation_->window, 360, 280);
+}
+
+Window::~Window() {
+  SDL_DestroyWindow(implementation_->window);
+  SDL_Quit();
+}
+
+std::optional<Input> Window::wait(int limit_ms) {
+  SDL_Event event;
+  const auto until = SDL_GetTicks64() + static_cast<uint64_t>(std::max(limit_ms, 0));
+  while (true) {
+    const uint64_t now = SDL_GetTicks64();
+    if (!SDL_WaitEventTimeout(&event, now < until ? static_cast<int>(until - now) : 0)) return {};
+    switch (event.type) {
+      case SDL_QUIT: return Input::quit;
+      case SDL_KEYDOWN:
+        if (const auto input = key_input(event.key)) return input;
+        break;
+      case SDL_TEXTINPUT:  // '?' sits on another key on each keyboard
+        if (event.text.text[0] == '?') return Input::help;
+        break;
+      case SDL_MOUSEBUTTONDOWN:
+        if (event.button.button == SDL_BUTTON_LEFT) return Input::next_stage;
+        if (event.button.button == SDL_BUTTON_RIGHT) return Input::previous_stage;
+        break;
+      case SDL_MOUSEWHEEL:
+        if (event.wheel.y != 0) return event.wheel.y < 0 ? Input::next_image : Input::previous_image;
+        break;
+      case SDL_MOUSEMOTION: implementation_->x = event.motion.x, implementation_->y = event.motion.y; return Input::moved;
+      case SDL_WINDOWEVENT:
+        if (event.window.event == SDL_WINDOWEVENT_LEAVE) implementation_->x = implementation_->y = -1;
+        return Input::moved;
+      default: break;
+    }
+  }
+}
+
+void Window::show(const Picture& picture) {
+  if (picture.width() == 0 || picture.height() == 0) return;
+  SDL_Surface* target = SDL_GetWindowSurface(implementation_->window);
+  auto* pixels = const_cast<Colour*>(picture.row(0));  // SDL's surface is not const; it is only read
+  SDL_Surface* source =
+      SDL_CreateRGBSurfaceWithFormatFrom(pixels, picture.width(), picture.height(), 24, picture.width() * 3, SDL_PIXELFORMAT_RGB24);
+  if (target && source && SDL_BlitSurface(source, nullptr, target, nullptr) == 0) SDL_UpdateWindowSurface(implementation_->window);
+  SDL_FreeSurface(source);
+}
+
+void Window::set_title(const std::string& title) { SDL_SetWindowTitle(implementation_->window, title.c_str()); }
+
+int Window::width() const {
+  int width = 0;
+  SDL_GetWindowSize(implementation_->window, &width, nullptr);
+  return width;
+}
+
+int Window::height() const {
+  int height = 0;
+  SDL_GetWindowSize(implementation_->window, nullptr, &height);
+  return height;
+}
+
+int Window::mouse_x() const { return implementation_->x; }
+int Window::mouse_y() const { return implementation_->y; }
+
+}  // namespace vdisp

@@ -1,0 +1,38 @@
+// window.h: a window with a picture in it, and what the operator does there. Behind it SDL, without a graphics card.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "probe/picture.h"
+
+namespace vdisp {
+
+enum class Input { next_stage, previous_stage, next_image, previous_image, palette, save, freeze, tree, help, quit, moved };
+
+class Window {
+ public:
+  /// Throws ProbeError (69) where there is no display.
+  Window(const std::string& title, int width, int height);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// What was done next; waits for it at most this long.
+  std::optional<Input> wait(int limit_ms);
+  void show(const Picture& picture);
+  void set_title(const std::string& title);
+  int width() const;
+  int height() const;
+  /// Of the cursor; -1, -1 outside the window.
+  int mouse_x() const;
+  int mouse_y() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace vdisp

@@ -1,0 +1,36 @@
+// words.h: the words of vdisp-probe: one function, one file each. They return the exit code, and throw ProbeError or WriteError.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace vdisp {
+
+/// One line: what was found, what would be right.
+class ProbeError : public std::runtime_error {
+ public:
+  ProbeError(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
+  int exit_code;
+};
+
+struct Options {
+  std::string name = "IPLObstacleDetection";  ///< [main] name of the daemon
+  double wait_s = 0;                          ///< how long to wait for a daemon
+  bool json = false, once = false;
+  bool picture = false;             ///< dump: also as painted
+  uint64_t frames = 1;              ///< dump
+  std::filesystem::path output;     ///< dump: folder; sheet: file
+  std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show
+};
+
+int view(const Options& options);
+int list(const Options& options);
+int dump(const Options& options);
+int map(const Options& options);
+int sheet(const Options& options);
+int stats(const Options& options);
+
+}  // namespace vdisp

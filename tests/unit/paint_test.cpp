@@ -1,0 +1,279 @@
+// paint_test.cpp: colours mean the same in every frame, and words say what a pixel holds. Truth is arithmetic.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/paint.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ipc/outlet.h"
+#include "ipc/records.h"
+#include "probe/contact_sheet.h"
+#include "probe/map_text.h"
+#include "probe/readout.h"
+
+namespace vdisp {
+namespace {
+
+template <class T>
+void set(Image& image, int x, int y, T value) {
+  image.row<T>(y)[x] = value;
+}
+
+BufferOutlet blank(Pixel pixel, uint16_t width, uint16_t height) {
+  BufferOutlet outlet({pixel, 0, width, height});
+  Image& image = outlet.loan();
+  for (int y = 0; y < height; ++y) std::fill_n(image.row<std::byte>(y), image.spec.stride(), std::byte{});
+  return outlet;
+}
+
+// The paper's rover: f 580 px, baseline 9 cm.
+void give_camera(Image& image) { image.camera = {580, 320, 240, 0.09f, 0, 0, 48, {}}; }
+
+void give_grid(Image& image) {
+  image.grid = {};
+  image.grid.cell = 0.1f;
+  image.grid.origin_row = image.spec.height;
+  image.grid.origin_column = image.spec.width / 2.0f;
+  image.grid.view_left = -0.55f;
+  image.grid.view_right = 0.55f;
+  image.grid.min_count = 3;
+}
+
+TEST(Paint, same_disparity_has_the_same_colour_whatever_else_is_in_the_frame) {
+  BufferOutlet near = blank(Pixel::disparity16, 4, 1), far = blank(Pixel::disparity16, 4, 1);
+  for (BufferOutlet* outlet : {&near, &far}) {
+    give_camera(outlet->loan());
+    set<int16_t>(outlet->loan(), 0, 0, 20 * 16);
+  }
+  set<int16_t>(near.loan(), 1, 0, 47 * 16);
+  set<int16_t>(far.loan(), 1, 0, 16);
+  const Painted a = paint("disparity", near.loan(), {}), b = paint("disparity", far.loan(), {});
+  EXPECT_EQ(a.picture.row(0)[0], b.picture.row(0)[0]);
+  EXPECT_NE(a.picture.row(0)[1], b.picture.row(0)[1]);
+}
+
+TEST(Paint, disparity_scale_spans_the_search_range) {
+  BufferOutlet outlet = blank(Pixel::disparity16, 3, 1);
+  Image& image = outlet.loan();
+  give_camera(image);
+  image.camera.min_disparity = -8;
+  set<int16_t>(image, 0, 0, -8 * 16);
+  set<int16_t>(image, 1, 0, 40 * 16);
+  set<int16_t>(image, 2, 0, 16 * 16);
+  const Painted painted = paint("disparity", image, {});
+  EXPECT_EQ(painted.picture.row(0)[0], colour_of(Palette::turbo, 0));
+  EXPECT_EQ(painted.picture.row(0)[1], colour_of(Palette::turbo, 1));
+  EXPECT_EQ(painted.picture.row(0)[2], colour_of(Palette::turbo, 0.5));
+}
+
+TEST(Paint, each_reason_of_rejection_has_a_muted_colour_of_its_own) {
+  for (uint8_t a = 1; a <= 6; ++a) {
+    const Colour colour = rejected_colour(a);
+    EXPECT_LT(std::max({colour.r, colour.g, colour.b}), 100) << "reason " << int{a};
+    for (uint8_t b = 1; b < a; ++b) EXPECT_NE(colour, rejected_colour(b)) << int{a} << " and " << int{b};
+    for (int i = 0; i <= 1000; ++i) EXPECT_NE(colour, colour_of(Palette::turbo, i / 1000.0));
+  }
+}
+
+TEST(Paint, more_votes_are_never_darker_and_one_vote_is_visible) {
+  BufferOutlet outlet = blank(Pixel::count16, 600, 1);
+  for (int16_t n = 0; n < 600; ++n) set<int16_t>(outlet.loan(), n, 0, n);
+  PaintStyle style;
+  style.palette = Palette::viridis;
+  const Painted painted = paint("vdisparity", outlet.loan(), style);
+  const auto light = [&](int n) {
+    const Colour c = painted.picture.row(0)[n];
+    return 3 * c.r + 6 * c.g + c.b;
+  };
+  EXPECT_GT(light(1), light(0) + 100);
+  for (int n = 1; n < 600; ++n) EXPECT_GE(light(n), light(n - 1) - 10) << n;  // 10: one level, from rounding
+}
+
+TEST(Paint, map_cells_are_squares_that_fit_the_room_and_obstacles_are_told_from_fewer_points) {
+  BufferOutlet outlet = blank(Pixel::count16, 51, 50);
+  Image& image = outlet.loan();
+  give_grid(image);
+  set<int16_t>(image, 25, 20, 3);
+  set<int16_t>(image, 26, 21, 2);
+  PaintStyle style;
+  style.map_room_width = 500;
+  style.map_room_height = 520;
+  const Painted painted = paint("map", image, style);
+  EXPECT_EQ(painted.cell, 9);
+  EXPECT_EQ(painted.picture.width(), 51 * 9);
+  EXPECT_EQ(painted.picture.height(), 50 * 9);
+  const Colour obstacle = painted.picture.row(20 * 9 + 4)[25 * 9 + 2], few = painted.picture.row(21 * 9 + 4)[26 * 9 + 2];
+  EXPECT_GT(obstacle.r, 200);
+  EXPECT_LT(few.r, 130);
+}
+
+TEST(Paint, a_line_below_the_picture_is_drawn_there) {
+  BufferOutlet outlet = blank(Pixel::line16, 100, 1);
+  for (int x = 0; x < 100; ++x) set<int16_t>(outlet.loan(), x, 0, x < 50 ? int16_t{110} : line_none);
+  PaintStyle style;
+  style.picture_rows = 100;
+  const Painted painted = paint("floor", outlet.loan(), style);
+  EXPECT_EQ(painted.picture.height(), 120);
+  EXPECT_EQ(painted.picture.row(110)[20], colours::warning);
+  EXPECT_NE(painted.picture.row(110)[70], colours::warning);
+}
+
+TEST(Paint, every_kind_of_picture_can_be_painted_at_one_pixel) {
+  for (Pixel pixel :
+       {Pixel::gray8, Pixel::mask8, Pixel::rgb8, Pixel::disparity16, Pixel::count16, Pixel::height16, Pixel::int8, Pixel::line16}) {
+    BufferOutlet outlet = blank(pixel, 1, 1);
+    for (const char* topic : {"x", "map", "truth/object"}) EXPECT_GT(portrait(topic, outlet.loan(), {}).width(), 0) << name(pixel);
+    EXPECT_FALSE(read_out("x", outlet.loan(), 0, 0).empty()) << name(pixel);
+    EXPECT_TRUE(read_out("x", outlet.loan(), 1, 0).empty()) << name(pixel);
+    EXPECT_TRUE(read_out("x", outlet.loan(), 0, -1).empty()) << name(pixel);
+  }
+}
+
+TEST(Paint, geometry_that_makes_no_sense_does_no_harm) {
+  BufferOutlet outlet = blank(Pixel::count16, 51, 50);
+  Image& image = outlet.loan();
+  for (float bad : {0.0f, -1.0f, 1e30f, NAN, INFINITY}) {
+    image.grid = {bad, bad, bad, bad, bad, 0, 0, bad, bad, bad};
+    EXPECT_GT(portrait("map", image, {}).width(), 0);
+    EXPECT_FALSE(map_text(image, {40, 20, true, true, false}).empty());
+    EXPECT_FALSE(map_text(image, {}).empty());
+  }
+  BufferOutlet disparity = blank(Pixel::disparity16, 4, 4);
+  disparity.loan().camera = {NAN, NAN, NAN, NAN, NAN, INT32_MIN / 64, -5, {}};
+  EXPECT_GT(portrait("disparity", disparity.loan(), {}).width(), 0);
+}
+
+TEST(Paint, legend_tells_the_share_of_each_reason) {
+  BufferOutlet outlet = blank(Pixel::disparity16, 4, 1);
+  set<int16_t>(outlet.loan(), 0, 0, rejected(Rejected::speckle));
+  const auto items = legend("disparity", outlet.loan(), {});
+  ASSERT_EQ(items.size(), 2u);
+  EXPECT_EQ(items[1].to, "speckle 25%");
+  EXPECT_EQ(items[1].colours.at(0), rejected_colour(4));
+}
+
+TEST(Readout, disparity_gives_depth_and_side) {
+  BufferOutlet outlet = blank(Pixel::disparity16, 640, 1);
+  give_camera(outlet.loan());
+  set<int16_t>(outlet.loan(), 436, 0, 16 * 10);  // Z = 580 * 0.09 / 10 = 5.22 m; X = 116 * 5.22 / 580 = 1.044 m
+  EXPECT_EQ(read_out("disparity", outlet.loan(), 436, 0), "row 0  column 436   10.00 px  Z 5.22 m  X +1.04 m");
+  outlet.loan().camera.cx_offset = 4;  // Z = 580 * 0.09 / 6
+  EXPECT_EQ(read_out("disparity", outlet.loan(), 436, 0), "row 0  column 436   10.00 px  Z 8.70 m  X +1.74 m");
+}
+
+TEST(Readout, rejected_pixels_say_why) {
+  BufferOutlet outlet = blank(Pixel::disparity16, 1, 1);
+  set<int16_t>(outlet.loan(), 0, 0, rejected(Rejected::low_texture));
+  EXPECT_EQ(read_out("disparity", outlet.loan(), 0, 0), "row 0  column 0   none: low texture");
+}
+
+TEST(Readout, without_calibration_there_are_no_metres) {
+  BufferOutlet outlet = blank(Pixel::disparity16, 1, 1);
+  outlet.loan().camera = {};
+  set<int16_t>(outlet.loan(), 0, 0, 160);
+  EXPECT_EQ(read_out("disparity", outlet.loan(), 0, 0), "row 0  column 0   10.00 px  no calibration: no metres");
+}
+
+TEST(Readout, map_cell_gives_its_place) {
+  BufferOutlet outlet = blank(Pixel::count16, 51, 50);
+  give_grid(outlet.loan());
+  set<int16_t>(outlet.loan(), 30, 29, 7);  // x = (30.5 - 25.5) * 0.1 m, z = (50 - 29.5) * 0.1 m
+  EXPECT_EQ(read_out("map", outlet.loan(), 30, 29), "row 29  column 30   7 points, obstacle  z 2.05 m  x +0.50 m  (cell of 0.10 m)");
+  const auto nearest = nearest_obstacle(outlet.loan());
+  ASSERT_TRUE(nearest);
+  EXPECT_NEAR(nearest->distance(), std::hypot(0.5, 2.05), 1e-6);
+  EXPECT_NEAR(nearest->bearing_deg(), std::atan2(0.5, 2.05) * 180 / M_PI, 1e-4);
+}
+
+TEST(Readout, records_become_lines_and_blind_ones_their_reason) {
+  BufferOutlet outlet(record_spec<FloorModel>());
+  auto& floor = make_record<FloorModel>(outlet.loan());
+  floor.state = FloorState::found;
+  floor.pitch_rad = M_PI / 12;
+  floor.height_m = NAN;
+  const auto lines = record_text(outlet.loan());
+  EXPECT_EQ(lines.at(0), "floor       found");
+  EXPECT_EQ(lines.at(2), "pitch       15.00 deg  (0.2618 rad)");
+  EXPECT_EQ(lines.at(4), "height      -");
+  outlet.loan().set_blind(Reason::few_points);
+  EXPECT_EQ(record_text(outlet.loan()).at(0), "blind: " + std::string(describe(Reason::few_points)));
+}
+
+class MapText : public testing::Test {
+ protected:
+  MapText() : outlet_(blank(Pixel::count16, 51, 50)) { give_grid(outlet_.loan()); }
+  size_t count(const MapLook& look, char letter) {
+    size_t n = 0;
+    for (const std::string& line : map_text(outlet_.loan(), look)) n += static_cast<size_t>(std::count(line.begin(), line.end(), letter));
+    return n;
+  }
+  BufferOutlet outlet_;
+};
+
+TEST_F(MapText, single_obstacle_survives_scaling_down_wherever_it_is) {
+  for (int row = 0; row < 50; row += 7) {
+    for (int column = 0; column < 51; ++column) {
+      set<int16_t>(outlet_.loan(), column, row, 3);
+      EXPECT_GE(count({30, 12, false, false, false}, '#'), 1u) << row << " " << column;
+      set<int16_t>(outlet_.loan(), column, row, 0);
+    }
+  }
+  EXPECT_EQ(count({30, 12, false, false, false}, '#'), 0u);
+}
+
+TEST_F(MapText, fits_80_by_24_with_four_lines_to_spare) {
+  const auto lines = map_text(outlet_.loan(), {80 - 6, 24 - 4, false, false, false});
+  EXPECT_LE(lines.size(), 21u);
+  for (const std::string& line : lines) EXPECT_LE(line.size(), 80u);
+}
+
+TEST_F(MapText, plain_text_has_no_escape_codes_and_the_camera_below_the_middle) {
+  set<int16_t>(outlet_.loan(), 25, 49, 5);
+  const auto lines = map_text(outlet_.loan(), {});
+  ASSERT_EQ(lines.size(), 26u);
+  for (const std::string& line : lines) EXPECT_EQ(line.find('\x1b'), std::string::npos);
+  EXPECT_EQ(lines.back().find('^'), 25u);
+  EXPECT_EQ(lines[24].find('#'), 25u);
+}
+
+TEST_F(MapText, nearest_obstacle_is_named_with_its_side) {
+  EXPECT_EQ(nearest_words(outlet_.loan()), "no obstacle in the map");
+  set<int16_t>(outlet_.loan(), 5, 29, 3);  // x = -2.0 m, z = 2.05 m
+  EXPECT_EQ(nearest_words(outlet_.loan()), "nearest obstacle 2.86 m away, 44 deg to the left");
+}
+
+TEST(ContactSheet, has_a_tile_for_each_stage) {
+  BufferOutlet a = blank(Pixel::gray8, 64, 48), b = blank(Pixel::count16, 51, 50);
+  b.loan().set_blind(Reason::few_points);
+  std::vector<SheetEntry> entries(5, SheetEntry{"left", &a.loan()});
+  const Picture five = contact_sheet(entries, 48);
+  entries.resize(4);
+  entries[3] = {"map", &b.loan()};
+  const Picture four = contact_sheet(entries, 48);
+  EXPECT_EQ(five.width(), four.width());
+  EXPECT_GT(five.height(), four.height() + 200);
+}
+
+TEST(Picture, scaling_keeps_single_pixels_sharp_and_averages_when_shrinking) {
+  Picture two(2, 1), wide(20, 10), one(1, 1);
+  two.row(0)[0] = {200, 0, 0};
+  two.row(0)[1] = {100, 100, 0};
+  wide.draw(two, {0, 0, 20, 10});
+  EXPECT_EQ(wide.row(9)[9], (Colour{200, 0, 0}));
+  EXPECT_EQ(wide.row(0)[10], (Colour{100, 100, 0}));
+  one.draw(two, {0, 0, 1, 1});
+  EXPECT_EQ(one.row(0)[0], (Colour{150, 50, 0}));
+}
+
+TEST(Picture, drawing_outside_is_clipped) {
+  Picture picture(10, 10, {1, 2, 3});
+  picture.fill({-5, -5, 8, 8}, {9, 9, 9});
+  picture.text(-3, -3, "W\xff", {255, 255, 255}, 3);
+  picture.line(-1e4, -50, 1e4, 50, {7, 7, 7});
+  picture.draw(Picture(3, 3), {-1, 8, 30, 30});
+  EXPECT_EQ(fitted(640, 480, {0, 0, 100, 100}).height, 75);
+}
+
+}  // namespace
+}  // namespace vdisp
