@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/sources/files.h"
+#include "daemon/sources/sim.h"
 
 namespace vdisp {
 namespace {
@@ -39,8 +40,8 @@ std::vector<std::string> camera_devices() {
 std::unique_ptr<StereoSource> open_source(const Config& config) {
   const std::string& kind = config.image_source.source;
   if (kind == "files") return open_files(config);
-  if (kind == "auto") refuse_auto();
-  throw SourceError(78, "[image source] source = " + kind + ": not part of this build; needed is auto or files");
+  if (kind == "sim") return open_sim(config);
+  refuse_auto();
 }
 
 }  // namespace vdisp
