@@ -96,35 +96,27 @@ Calibration make_calibration(const sim_section& parameters) {
 }
 
 void undistort(const RawCamera& camera, double u, double v, double& x, double& y) {
+  const std::array<double, 8>& d = camera.distortion;
   const double xd = (u - camera.k[2]) / camera.k[0], yd = (v - camera.k[5]) / camera.k[4];
-  // Radial part by bisection, which cannot run away far from the centre, then Newton for all of it.
-  const double rd = std::hypot(xd, yd);
-  double low = 0, high = 4 * rd + 1;
-  for (int i = 0; i < 24; ++i) {
-    const double r = (low + high) / 2, r2 = r * r;
-    (r * (1 + r2 * (camera.distortion[0] + r2 * camera.distortion[1])) < rd ? low : high) = r;
-  }
-  const double start = rd > 0 ? high / rd : 1;
-  x = xd * start;
-  y = yd * start;
-  for (int i = 0; i < 8; ++i) {
-    const double e = 1e-6;
-    double fx, fy, ax, ay, bx, by;
-    distort(camera.distortion, x, y, fx, fy);
-    distort(camera.distortion, x + e, y, ax, ay);
-    distort(camera.distortion, x, y + e, bx, by);
-    const double j00 = (ax - fx) / e, j10 = (ay - fy) / e, j01 = (bx - fx) / e, j11 = (by - fy) / e;
-    const double det = j00 * j11 - j01 * j10, dx = xd - fx, dy = yd - fy;
-    x += (dx * j11 - dy * j01) / det;
-    y += (dy * j00 - dx * j10) / det;
-    if (dx * dx + dy * dy < 1e-24) break;
+  for (int i = 0; i < 40; ++i) {
+    double fx, fy;
+    distort(d, x, y, fx, fy);
+    const double dx = xd - fx, dy = yd - fy;
+    if (dx * dx + dy * dy < 1e-22) break;
+    // Newton; the Jacobian is symmetric.
+    const double r2 = x * x + y * y, radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4])), slope = 2 * (d[0] + r2 * (2 * d[1] + 3 * r2 * d[4]));
+    const double xx = radial + slope * x * x + 2 * d[2] * y + 6 * d[3] * x, yy = radial + slope * y * y + 6 * d[2] * y + 2 * d[3] * x;
+    const double xy = slope * x * y + 2 * d[2] * x + 2 * d[3] * y, scale = 1 / (xx * yy - xy * xy);
+    x += (dx * yy - dy * xy) * scale;
+    y += (dy * xx - dx * xy) * scale;
   }
 }
 
 Rays raw_rays(const RawCamera& camera, int width, int height) {
   const std::array<double, 9>& r = camera.rectification;
+  double a = 0, b = 0;
   return make_rays(width, height, [&](int u, int v, double& x, double& y) {
-    double a, b;
+    if (u % Rays::tile_width == 0 && v % Rays::tile_height == 0) a = b = 0;
     undistort(camera, u, v, a, b);
     const double z = r[6] * a + r[7] * b + r[8];
     x = (r[0] * a + r[1] * b + r[2]) / z;

@@ -12,7 +12,8 @@ namespace vdisp::sim {
 /// The paper's camera (f = 576 px at 640, B = 0.09 m), with barrel distortion and misalignment in proportion to `distortion`.
 Calibration make_calibration(const sim_section& parameters);
 
-/// Where a camera without lens errors sees the pixel (u, v) of a raw one: x / z and y / z, in the raw camera's own axes.
+/// Where a camera without lens errors sees the pixel (u, v) of a raw one: x / z and y / z, in the raw camera's own axes. Searched
+/// from where x and y are: a neighbour's place, or 0.
 void undistort(const RawCamera& camera, double u, double v, double& x, double& y);
 
 /// Rays of one camera in axes of the rectified view, (x, y, 1), in tiles; behind the right and lower border they go on.

@@ -77,7 +77,7 @@ ALWAYS F hazy(F gray, F distance) {
 
 ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
   // Along the view the ground is foreshortened by 1 / grazing: a compromise between blur across and shimmer along.
-  const F width = t * (look.pixel * fine_texels_per_m), level = 0.5f * rough_log2(width * width / grazing);
+  const F width = t * (look.pixel * fine_texels_per_m), squared = width * width, level = 0.25f * rough_log2(squared * squared / grazing);
   const F fine = sample(look.texels, I{}, x * fine_texels_per_m, z * fine_texels_per_m, level);
   // Turned, so that the repetition of the one falls between that of the other.
   const F u = 0.83f * x + 0.55f * z, v = 0.83f * z - 0.55f * x;

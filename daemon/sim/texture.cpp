@@ -35,11 +35,12 @@ void add_noise(Field& field, int cell_x, int cell_y, float amplitude, uint32_t s
   }
 }
 
-/// Noise of the same strength at each scale, as stone and soil have it.
-Field fractal(int finest, int coarsest, uint32_t seed, int stretch_x = 1, int stretch_y = 1) {
+/// Noise of the same strength at each scale, as stone and soil have it; or weaker by `fading` from each scale to the next coarser.
+Field fractal(int finest, int coarsest, uint32_t seed, int stretch_x = 1, int stretch_y = 1, float fading = 1) {
   Field field(static_cast<size_t>(size) * size, 0.0f);
-  for (int cell = finest; cell <= coarsest; cell *= 2)
-    add_noise(field, std::min(size / 2, cell * stretch_x), std::min(size / 2, cell * stretch_y), 1, seed * 31 + static_cast<uint32_t>(cell));
+  float strength = 1;
+  for (int cell = finest; cell <= coarsest; cell *= 2, strength *= fading)
+    add_noise(field, std::min(size / 2, cell * stretch_x), std::min(size / 2, cell * stretch_y), strength, seed * 31 + static_cast<uint32_t>(cell));
   return field;
 }
 
@@ -71,7 +72,7 @@ void add_joints(Field& field, int width, int height, int joint, float depth, flo
 Field surface(Surface which, uint32_t seed) {
   Field field;
   switch (which) {
-    case Surface::gravel: field = fractal(2, 64, seed); break;
+    case Surface::gravel: field = fractal(2, 64, seed, 1, 1, 0.85f); break;
     case Surface::planks:
       field = fractal(2, 32, seed, 4, 1);
       level(field, 0.20f);

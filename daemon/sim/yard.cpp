@@ -125,7 +125,7 @@ void Scene::build_yard(Chance& chance) {
   };
   for (int i = 0; i < 4; ++i)
     place(make(ObjectKind::wall, 0, 0, chance.between(1.4, 2.6), 0.25, chance.between(0.8, 1.2), 0, 140), 0.9, 1.2, 0.4, i % 2 ? M_PI / 2 : 0.2);
-  for (int i = 0; i < 40; ++i) place(random_object(chance), 0.8, 2.2, 0.35, 9);
+  for (int i = 0; i < 52; ++i) place(random_object(chance), 0.8, i % 2 ? 1.0 : 2.4, 0.3, 9);
   for (int i = 0; i < 14; ++i) place(small_object(chance), 0.25, 1.0, 0.15, 9);
 }
 
