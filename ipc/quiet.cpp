@@ -18,6 +18,7 @@ namespace vdisp {
 namespace {
 
 thread_local int muted = 0;
+std::atomic<int> everybody_muted{0};
 std::atomic<uint64_t> errors{0};
 
 bool iceoryx_thread() {
@@ -36,7 +37,7 @@ class Filter final : public std::streambuf {
   explicit Filter(std::ostream& stream) : behind_(stream.rdbuf(this)) {}
 
  private:
-  static bool dropped() { return muted > 0 || iceoryx_thread(); }
+  static bool dropped() { return muted > 0 || everybody_muted > 0 || iceoryx_thread(); }
   int overflow(int c) override { return dropped() || c == EOF ? 0 : behind_->sputc(static_cast<char>(c)); }
   std::streamsize xsputn(const char* text, std::streamsize size) override { return dropped() ? size : behind_->sputn(text, size); }
   int sync() override { return dropped() ? 0 : behind_->pubsync(); }
@@ -83,8 +84,15 @@ void silence_iceoryx() {
   [[maybe_unused]] static const auto* filters = new std::array<Filter*, 3>{new Filter(std::cout), new Filter(std::clog), new Filter(std::cerr)};
 }
 
-Muted::Muted() { ++muted; }
-Muted::~Muted() { --muted; }
+Muted::Muted(Who who) : who_(who) {
+  ++muted;
+  if (who_ == Who::everybody) ++everybody_muted;
+}
+
+Muted::~Muted() {
+  --muted;
+  if (who_ == Who::everybody) --everybody_muted;
+}
 
 void exit_on_fatal_error() {
   install([](const iox::Error error, const std::function<void()>&, const iox::ErrorLevel level) {

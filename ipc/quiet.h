@@ -9,13 +9,19 @@ namespace vdisp {
 /// Turns off iceoryx's logging, and drops what its own threads write to cout, clog and cerr. Other threads print as before.
 void silence_iceoryx();
 
-/// While one exists, what this thread writes to cout, clog and cerr is dropped: iceoryx prints from the calling thread too.
+enum class Who { this_thread, everybody };
+
+/// While one exists, what is written to cout, clog and cerr is dropped: iceoryx prints from the calling thread too, and from
+/// threads of its own before they have their names.
 class Muted {
  public:
-  Muted();
+  explicit Muted(Who who = Who::this_thread);
   ~Muted();
   Muted(const Muted&) = delete;
   Muted& operator=(const Muted&) = delete;
+
+ private:
+  Who who_;
 };
 
 /// In the daemon: a fatal error of iceoryx is one line on stderr and _exit: 69, 71 or 77 where it is known, else 75.

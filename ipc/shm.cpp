@@ -34,6 +34,12 @@ struct SharedMemory::Implementation {
 
 namespace {
 
+// What leave() removes: set once, when this process has become the owner.
+std::vector<std::string>& own_files() {
+  static auto* files = new std::vector<std::string>;
+  return *files;
+}
+
 /// A name that iceoryx can carry: its messages are separated by commas and cut at 100 characters.
 void check_name(const std::string& what, const std::string& name) {
   if (name.empty() || name.size() > 100 || name.find(',') != std::string::npos)
@@ -43,7 +49,7 @@ void check_name(const std::string& what, const std::string& name) {
 }  // namespace
 
 void SharedMemory::Implementation::start() {
-  const Muted muted;
+  const Muted muted(Who::everybody);
   iox::RouDiConfig_t config;
   iox::mepoo::MePooConfig pools;
   for (const Pool& pool : plan.pools) pools.addMemPool({chunk_payload(pool.block_bytes), pool.count});
@@ -74,6 +80,8 @@ SharedMemory::SharedMemory(const ShmOptions& options, const TopicList& topics) :
                            std::to_string((bytes + (1u << 20) - 1) >> 20) + ": " + describe(self.plan));
   self.rights = rights_for(options.group);
   check_shared_memory(self.rights, bytes);
+  own_files() = files_of(self.rights);
+  for (const std::string& lock : locks()) own_files().push_back(lock);
   silence_iceoryx();
   exit_on_fatal_error();
   self.start();
@@ -96,6 +104,8 @@ void SharedMemory::leave(int exit_code) {
   std::cout.flush();
   std::cerr.flush();
   std::fflush(nullptr);
+  // Readers keep what they have mapped; the names go, so that the memory is free when they let go.
+  for (const std::string& file : own_files()) unlink(file.c_str());
   _exit(exit_code);
 }
 

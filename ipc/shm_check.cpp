@@ -88,8 +88,9 @@ void remove_leftover(const std::string& path) {
 
 void check_writable(const char* folder) {
   if (access(folder, W_OK | X_OK) == 0) return;
-  throw ShmError(errno == EROFS || errno == EACCES || errno == EPERM ? 77 : 71,
-                 std::string("shared memory: ") + folder + ": " + std::strerror(errno) + "; user " + user_name(geteuid()) +
+  const int error = errno;
+  throw ShmError(error == EROFS || error == EACCES || error == EPERM ? 77 : 71,
+                 std::string("shared memory: ") + folder + ": " + std::strerror(error) + "; user " + user_name(geteuid()) +
                      " has to be able to create files there");
 }
 
@@ -139,17 +140,20 @@ Rights rights_for(const std::string& reader_group) {
   return rights;
 }
 
+std::vector<std::string> files_of(const Rights& rights) {
+  return {roudi_socket, "/tmp/" + daemon_runtime, management_segment, "/dev/shm/" + rights.owner_group};
+}
+
+std::vector<std::string> locks() { return {"/tmp/iox-unique-roudi.lock", "/tmp/roudi.lock", "/tmp/" + daemon_runtime + ".lock"}; }
+
 void check_shared_memory(const Rights& rights, uint64_t bytes) {
   check_writable("/tmp");
   check_writable("/dev/shm");
-  const std::vector<std::string> locks{"/tmp/iox-unique-roudi.lock", "/tmp/roudi.lock", "/tmp/" + daemon_runtime + ".lock"};
-  for (const std::string& lock : locks) check_lock(lock);
+  for (const std::string& lock : locks()) check_lock(lock);
   if (probe_socket(roudi_socket) == Probe::alive)
     throw ShmError(69, std::string("shared memory: ") + roudi_socket + " is served by another program; one vdispd per machine, and no other iceoryx RouDi beside it");
   // Nobody alive owns these now. Removed here, so that what cannot be removed gets its message, and the memory is free again.
-  for (const std::string& left : {std::string(roudi_socket), "/tmp/" + daemon_runtime, std::string(management_segment),
-                                  "/dev/shm/" + rights.owner_group})
-    remove_leftover(left);
+  for (const std::string& left : files_of(rights)) remove_leftover(left);
   check_room(management_bytes + bytes);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace vdisp {
 
@@ -16,6 +17,9 @@ struct Rights {
   gid_t readers = static_cast<gid_t>(-1);  ///< -1: nobody but the user
 };
 
+/// Sockets and segments that a daemon makes, and the locks that iceoryx holds while it lives.
+std::vector<std::string> files_of(const Rights& rights);
+std::vector<std::string> locks();
 /// Throws ShmError 78 for a group that is unknown, 77 for one that the daemon may not give files to.
 Rights rights_for(const std::string& reader_group);
 /// Throws ShmError: 69 somebody else is RouDi, 77 leftovers of another user or no permission, 71 no room for `bytes`.

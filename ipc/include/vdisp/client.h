@@ -30,9 +30,10 @@ enum class Connection {
 };
 
 /// One look at one topic. `image` is read-only shared memory, checked (magic, version, size), and stays valid until the next call
-/// for the same topic, release(), or a reconnection inside any call of this client: then it is null or another one.
+/// for the same topic, release(), or the loss of the daemon inside any call of this client: then the memory is gone.
+/// Where image->flags has flag_synthetic it comes from the simulator or from files: do not drive by it.
 struct Reading {
-  const Image* image = nullptr;  ///< null: nothing has arrived yet
+  const Image* image = nullptr;  ///< null: nothing has arrived yet from the daemon that is connected
   Trust trust = Trust::dead;
   Reason reason = Reason::none;  ///< why blind
   double age_s = 0;              ///< now - ready_ns
@@ -58,7 +59,8 @@ class Client {
   /// Waits until connected.
   bool wait_for_daemon(Time limit);
 
-  /// Attaches to a topic by name; it need not exist yet. While attached the daemon computes it.
+  /// Attaches to a topic by name; it need not exist yet. While attached the daemon computes it. An image older by more than
+  /// max(3 periods, 0.3 s) than the subscription is not shown: an on-demand stage may have made it for a reader long gone.
   Topic subscribe(const std::string& topic);
   /// Detaches; the topic's number is free for reuse.
   void unsubscribe(Topic topic);
