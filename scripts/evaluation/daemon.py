@@ -1,0 +1,125 @@
+# daemon.py: runs vdispd with --dump, several at once, and reads what it wrote.
+# SPDX-License-Identifier: Apache-2.0
+import concurrent.futures
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import cv2
+
+
+class Skipped(Exception):
+    """A section or a row that cannot be measured here, and why."""
+
+
+class RunFailed(Exception):
+    """The daemon did not end with 0; the text holds the command and its last words."""
+
+
+class Frame:
+    """One frame's folder of a dump."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.json = json.loads((folder / "frame.json").read_text())
+
+    def image(self, stage):
+        """The picture of a stage as the dump has it; None where the stage was blind."""
+        return cv2.imread(str(self.folder / (stage + ".png")), cv2.IMREAD_UNCHANGED)
+
+    def valid(self, stage):
+        return self.json["stages"][stage]["valid"]
+
+    def camera(self, stage):
+        return self.json["stages"][stage]["camera"]
+
+    @property
+    def floor(self):
+        return self.json["floor"]
+
+
+class Daemon:
+    """Makes runs. Dumps are deleted once measured, unless `keep` names a folder for them."""
+
+    def __init__(self, binary, data, keep=None, jobs=2, quick=False):
+        self.binary, self.data, self.jobs, self.quick = pathlib.Path(binary), pathlib.Path(data), jobs, quick
+        self.keep = pathlib.Path(keep) if keep else None
+        self.work = pathlib.Path(tempfile.mkdtemp(prefix="vdisp-evaluate-"))
+        self.empty = self.work / "defaults.cfg"  # so that no installed vdisp.cfg has a say
+        self.empty.write_text("")
+        self.memo = {}
+
+    def close(self):
+        shutil.rmtree(self.work, ignore_errors=True)
+
+    def set_folder(self, *names):
+        """A data set's folder; Skipped where it is missing."""
+        folder = self.data.joinpath(*names)
+        if not folder.exists():
+            raise Skipped(f"no {folder}")
+        return folder
+
+    @staticmethod
+    def options(sets, frames):
+        words = []
+        for key, value in sets.items():
+            words += ["--set", f"{key}={value}"]
+        return words + (["--frames", str(frames)] if frames else [])
+
+    def command_line(self, sets, frames=None):
+        """As a reader would type it; paths of data sets begin at the project."""
+        words = ["vdispd"] + self.options(sets, frames) + ["--dump", "DIR"]
+        return " ".join(f"'{w}'" if " " in w else w for w in words).replace(str(self.data), "../shared/data")
+
+    def dump(self, name, sets, frames=None):
+        """Runs the daemon; the folder of the dump and its frames' folders in order."""
+        folder = (self.keep or self.work) / name
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        sets = {"main.middleware": "none", "main.debug": 0, **sets}
+        command = [str(self.binary), "-c", str(self.empty)] + self.options(sets, frames) + ["--dump", str(folder)]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            raise RunFailed(f"exit {done.returncode}: {done.stderr.strip()[-400:]} ({' '.join(command)})")
+        return folder, sorted(p for p in folder.iterdir() if p.is_dir() and p.name.isdigit())
+
+    def measure(self, name, sets, frames, look):
+        """look(Frame) of each frame of one run."""
+        folder, places = self.dump(name, sets, frames)
+        if not places:
+            raise RunFailed(f"the dump of {name} is empty: {self.command_line(sets, frames)}")
+        try:
+            return [look(Frame(place)) for place in places]
+        finally:
+            if not self.keep:
+                shutil.rmtree(folder, ignore_errors=True)
+
+    def measure_all(self, title, runs, look):
+        """runs: (name, sets, frames). A list of what look() gave, run by run, in order."""
+        results, start = [None] * len(runs), time.monotonic()
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            waiting = {pool.submit(self.measure, *run, look): i for i, run in enumerate(runs)}
+            try:
+                for done, future in enumerate(concurrent.futures.as_completed(waiting), 1):
+                    results[waiting[future]] = future.result()
+                    if done % 10 == 0 or done == len(runs):
+                        print(f"evaluate: {title}: {done} of {len(runs)} runs, {time.monotonic() - start:.0f} s", file=sys.stderr)
+            except BaseException:
+                for future in waiting:
+                    future.cancel()
+                raise
+        return results
+
+
+def build(root):
+    """Set-up and release build; the folder of the programs."""
+    for command in (["scripts/setup", "evaluate"], ["scripts/build", "release"]):
+        code = subprocess.run(command, cwd=root, stdout=sys.stderr).returncode
+        if code != 0:
+            sys.exit(code)
+    return os.path.join(root, "build", "release", "bin")

@@ -1,0 +1,114 @@
+# truth.py: what the simulator's truth stages say of a frame, and how the daemon's map compares with it.
+# SPDX-License-Identifier: Apache-2.0
+import cv2
+import numpy as np
+
+import evaluation.geometry as geometry
+
+GROUND, UNLISTED, SKY = 0, 254, 255
+CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (0, 1) for z in (-0.5, 0.5)])
+
+
+class TruthObject:
+    """One obstacle as the left camera sees it; cells are masks of the map's grid."""
+
+    def __init__(self, entry):
+        self.entry = entry
+        self.pixels = 0         # seen, matchable, higher than max_height
+        self.share = 0.0        # of its outline that is seen and matchable
+        self.distance = np.inf  # m ahead, of its nearest seen point higher than max_height
+        self.front = None       # cells of what is seen within one cell's length of the nearest point
+        self.contour = None     # cells of the nearest point of each image column
+        self.must_be_found = False
+
+
+class SceneTruth:
+    """Truth of one frame, made from truth/disparity, truth/object and truth_scene alone.
+
+    An object must be found if it is textured, at least 0.3 m tall and wide, its nearest point (higher than max_height) lies 1 to
+    4.5 m ahead in the map, and at least half of its outline is seen and matchable: not hidden, inside the image, not in the left
+    border that has no counterpart in the right view (u < ndisp - 1 + half the window), nor nearer than f B / (ndisp - 1).
+    """
+
+    def __init__(self, frame, grid, max_height=0.2, ndisp=48, corrsize=11):
+        scene, camera = frame.json["truth_scene"], frame.camera("truth/disparity")
+        self.pitch, self.roll, self.height = scene["pitch_rad"], scene["roll_rad"], scene["height_m"]
+        self.grid, self.camera = grid, camera
+        disparity = frame.image("truth/disparity") / 16.0
+        number = frame.image("truth/object")
+        true_disparity = disparity - camera["cx_offset"]
+        seen = (disparity > 0) & (true_disparity > 0)
+        depth = np.where(seen, camera["f"] * camera["baseline"] / np.where(seen, true_disparity, 1), np.nan)
+        self.x, y, self.z = geometry.level(geometry.camera_points(camera, depth), self.pitch, self.roll)
+        self.above = self.height - y  # m above the flat ground
+        self.matchable = seen & (disparity <= ndisp - 1) & geometry.matchable(ndisp, corrsize, disparity.shape)
+        high = seen & (number != GROUND) & (number != SKY) & (self.above > max_height)
+        self.occupied = grid.mask(self.x[high], self.z[high])
+        self.objects = []
+        for entry in scene["objects"]:
+            item = TruthObject(entry)
+            self.look(item, number == entry["number"], high)
+            self.objects.append(item)
+            if entry["height"] >= max_height:
+                self.occupied |= self.footprint(entry)
+
+    def look(self, item, mine, high):
+        usable = mine & high & self.matchable
+        item.pixels = int(np.count_nonzero(usable))
+        if item.pixels == 0:
+            return
+        entry = item.entry
+        item.share = np.count_nonzero(mine & self.matchable) / max(self.outline_area(entry), 1.0)
+        x, z = self.x[usable], self.z[usable]
+        item.distance = float(z.min())
+        near = z <= item.distance + self.grid.cell
+        item.front = self.grid.mask(x[near], z[near])
+        columns = np.nonzero(usable.any(axis=0))[0]
+        nearest = np.where(usable[:, columns], self.z[:, columns], np.inf).argmin(axis=0)
+        item.contour = self.grid.mask(self.x[nearest, columns], self.z[nearest, columns])
+        item.must_be_found = bool(entry["textured"] and entry["height"] >= 0.3 and entry["width"] >= 0.3
+                                  and 1.0 <= item.distance <= 4.5 and item.share >= 0.5 and item.front.any())
+
+    def outline_area(self, entry):
+        """Pixels of the box around the object, drawn by the camera: convex hull of its corners. A rock fills less of its box."""
+        corners = CORNERS * (entry["width"], entry["height"], entry["depth"])
+        sin, cos = np.sin(entry["yaw"]), np.cos(entry["yaw"])
+        # Yaw is positive to the left, x to the right.
+        x = entry["x"] + corners[:, 0] * cos - corners[:, 2] * sin
+        z = entry["z"] + corners[:, 0] * sin + corners[:, 2] * cos
+        xc, yc, zc = geometry.unlevel((x, self.height - corners[:, 1], z), self.pitch, self.roll)
+        zc = np.maximum(zc, 0.05)
+        f = self.camera["f"]
+        hull = cv2.convexHull(np.stack([f * xc / zc, f * yc / zc], axis=1).astype(np.float32))
+        return cv2.contourArea(hull) * (0.6 if entry["kind"] == "rock" else 1.0)
+
+    def footprint(self, entry):
+        """Cells that the object stands on."""
+        along, across = np.meshgrid(np.linspace(-0.5, 0.5, 60) * entry["width"], np.linspace(-0.5, 0.5, 60) * entry["depth"])
+        sin, cos = np.sin(entry["yaw"]), np.cos(entry["yaw"])
+        return self.grid.mask(entry["x"] + along * cos - across * sin, entry["z"] + along * sin + across * cos)
+
+
+def compare_map(frame, truth, min_count=3):
+    """The daemon's map against a SceneTruth. None where the map is blind."""
+    if not frame.valid("map"):
+        found = np.zeros((truth.grid.rows, truth.grid.columns), bool)
+    else:
+        found = frame.image("map") >= min_count
+    reached = geometry.wider(found)
+    objects = []
+    contours = np.zeros_like(found)
+    for item in truth.objects:
+        if item.pixels == 0:
+            continue
+        contours |= item.contour
+        objects.append({
+            "number": item.entry["number"], "kind": item.entry["kind"], "must": item.must_be_found,
+            "height": item.entry["height"], "width": item.entry["width"], "distance": item.distance, "pixels": item.pixels,
+            "share": item.share, "hit": bool((item.front & reached).any()),
+            "covered": float((item.contour & reached).sum() / max(item.contour.sum(), 1)),
+        })
+    false = found & ~geometry.wider(truth.occupied)
+    distance = geometry.distance_to(contours, truth.grid.cell)[found]
+    return {"objects": objects, "blind": not frame.valid("map"), "found": int(found.sum()), "false": int(false.sum()),
+            "false_cells": [(int(r), int(c)) for r, c in np.argwhere(false)], "distances": distance[np.isfinite(distance)].tolist()}
