@@ -23,8 +23,9 @@ struct Rays {
     float x0, x1, y0, y1;
   };
   int width = 0, height = 0, tiles_x = 0, tiles_y = 0;
-  std::vector<float> x, y;      ///< tile by tile, rows of a tile one after the other
-  std::vector<Bounds> bounds;   ///< of each tile, half a pixel wider
+  std::vector<float> x, y;     ///< tile by tile, rows of a tile one after the other
+  std::vector<Bounds> bounds;  ///< of each tile, half a pixel wider
+  std::vector<Bounds> rows;    ///< of each row of tiles
   int tiles() const { return tiles_x * tiles_y; }
 };
 Rays raw_rays(const RawCamera& camera, int width, int height);

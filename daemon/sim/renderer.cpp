@@ -58,7 +58,8 @@ GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textu
     for (int i = 0; i < side; ++i) {
       int sum = 0;
       for (int b = -1; b <= 1; ++b) {
-        for (int a = -1; a <= 1; ++a) sum += lit[static_cast<size_t>(std::clamp(j + b, 0, side - 1)) * side + std::clamp(i + a, 0, side - 1)];
+        for (int a = -1; a <= 1; ++a)
+          sum += lit[static_cast<size_t>(std::clamp(j + b, 0, side - 1)) * side + std::clamp(i + a, 0, side - 1)];
       }
       const double patch = static_cast<double>(dirt[(j / 8 & 63) * 64 + (i / 8 & 63)] & 255) / 255;
       packed[static_cast<size_t>(j) * side + i] = static_cast<uint8_t>(255 * (0.45 + 0.55 * sum / 9) * (0.88 + 0.12 * patch));
@@ -71,9 +72,17 @@ GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textu
 class Renderer final : public Simulator {
  public:
   Renderer(const sim_section& parameters, Scene scene, std::unique_ptr<Tracer> tracer)
-      : parameters_(parameters), seed_(scramble(static_cast<uint32_t>(parameters.seed) + 77)), scene_(std::move(scene)), tracer_(std::move(tracer)),
-        calibration_(make_calibration(parameters)), textures_(make_textures(seed_)), objects_(tabulate(scene_, parameters, seed_)),
-        light_(bake(scene_, *tracer_, textures_)), shader_(choose_shader()), draw_(tracer_->make_probe()), measure_(tracer_->make_probe()) {
+      : parameters_(parameters),
+        seed_(scramble(static_cast<uint32_t>(parameters.seed) + 77)),
+        scene_(std::move(scene)),
+        tracer_(std::move(tracer)),
+        calibration_(make_calibration(parameters)),
+        textures_(make_textures(seed_)),
+        objects_(tabulate(scene_, parameters, seed_)),
+        light_(bake(scene_, *tracer_, textures_)),
+        shader_(choose_shader()),
+        draw_(tracer_->make_probe()),
+        measure_(tracer_->make_probe()) {
     const int width = parameters.width, height = parameters.height;
     for (size_t side = 0; side < 2; ++side) rays_[side] = raw_rays((*calibration_.raw)[side], width, height);
     ideal_ = rectified_rays(calibration_.view, width, height);
@@ -157,7 +166,8 @@ class Renderer final : public Simulator {
       shader_.aim(look, &ideal_.x[first], &ideal_.y[first], truth_batch_);
       if (truth_marks_[static_cast<size_t>(tile)]) tracer_->trace(*measure_, look, truth_batch_);
       for (int i = 0; i < Rays::tile_pixels; ++i) {
-        const int u = tile % ideal_.tiles_x * Rays::tile_width + i % Rays::tile_width, v = tile / ideal_.tiles_x * Rays::tile_height + i / Rays::tile_width;
+        const int u = tile % ideal_.tiles_x * Rays::tile_width + i % Rays::tile_width,
+                  v = tile / ideal_.tiles_x * Rays::tile_height + i / Rays::tile_width;
         if (u < ideal_.width && v < ideal_.height) note(pose, truth_batch_, i, static_cast<size_t>(v) * ideal_.width + u);
       }
     }

@@ -108,17 +108,23 @@ void Scene::describe(const CameraPose& pose, TruthView& view, std::span<uint8_t>
     if (centre.z + reach > 0 && centre.z - reach < listed_range) seen[count++] = {centre.z - reach, i, centre};
   }
   if (count > TruthScene::capacity) {
-    std::sort(seen.begin(), seen.begin() + static_cast<long>(count), [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+    std::sort(seen.begin(), seen.begin() + static_cast<long>(count),
+              [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
     count = TruthScene::capacity;
-    std::sort(seen.begin(), seen.begin() + static_cast<long>(count), [](const Seen& a, const Seen& b) { return a.index < b.index; });
+    std::sort(seen.begin(), seen.begin() + static_cast<long>(count),
+              [](const Seen& a, const Seen& b) { return a.index < b.index; });
   }
   scene.count = static_cast<uint32_t>(count);
   for (size_t i = 0; i < count; ++i) {
     const SceneObject& o = objects_[seen[i].index];
     numbers[seen[i].index] = static_cast<uint8_t>(i + 1);
-    scene.objects[i] = {o.kind, o.textured && parameters_.texture > 0 ? 1u : 0u,
-                        static_cast<float>(seen[i].centre.x), static_cast<float>(seen[i].centre.z),
-                        static_cast<float>(o.width), static_cast<float>(o.depth), static_cast<float>(o.height),
+    scene.objects[i] = {o.kind,
+                        o.textured && parameters_.texture > 0 ? 1u : 0u,
+                        static_cast<float>(seen[i].centre.x),
+                        static_cast<float>(seen[i].centre.z),
+                        static_cast<float>(o.width),
+                        static_cast<float>(o.depth),
+                        static_cast<float>(o.height),
                         static_cast<float>(std::remainder(o.yaw - pose.heading, 2 * M_PI))};
   }
 }

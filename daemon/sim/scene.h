@@ -21,11 +21,11 @@ inline constexpr int surface_count = 5;
 struct SceneObject {
   ObjectKind kind = ObjectKind::box;
   bool textured = true;
-  double x = 0, z = 0;             ///< m, centre of the footprint
+  double x = 0, z = 0;  ///< m, centre of the footprint
   double width = 0, depth = 0, height = 0, yaw = 0;
   Surface surface = Surface::planks;
-  double brightness = 110;         ///< grey level in full light
-  double radius() const;           ///< of the circle round the footprint
+  double brightness = 110;  ///< grey level in full light
+  double radius() const;    ///< of the circle round the footprint
 };
 
 /// Columns right, down, ahead of a frame, in the world: row-major, world = axes * local.
@@ -34,11 +34,11 @@ Point turned(const Axes& axes, const Point& local);
 Point turned_back(const Axes& axes, const Point& world);
 
 struct CameraPose {
-  Point position;   ///< of the left camera, world
-  Axes axes;        ///< of the left rectified camera
-  Axes level;       ///< of its frame h, which is level with the ground below it
-  double heading;   ///< of the view
-  bool climbs;      ///< stands on the slope
+  Point position;  ///< of the left camera, world
+  Axes axes;       ///< of the left rectified camera
+  Axes level;      ///< of its frame h, which is level with the ground below it
+  double heading;  ///< of the view
+  bool climbs;     ///< stands on the slope
 };
 
 class Scene {
@@ -80,7 +80,7 @@ class Scene {
   double rise_ = 0, middle_x_ = 0, middle_z_ = 6, extent_ = 12;
   bool drives_ = false;
   std::vector<SceneObject> objects_;
-  std::vector<Station> path_;     ///< a closed way, a station every path_step_
+  std::vector<Station> path_;  ///< a closed way, a station every path_step_
   double path_step_ = 0;
 };
 

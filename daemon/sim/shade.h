@@ -14,10 +14,10 @@ inline constexpr float far_away = 1e5f;  ///< m; a ray that goes farther sees th
 /// One tile on its way from rays to grey levels, world frame.
 struct alignas(64) Batch {
   static constexpr int size = Rays::tile_pixels;
-  float dx[size], dy[size], dz[size];   ///< direction, 1 m along the view
-  float t[size];                        ///< m along the view
-  float nx[size], ny[size], nz[size];   ///< normal of the object hit, any length
-  int32_t object[size];                 ///< index of the object hit, -1: none
+  float dx[size], dy[size], dz[size];  ///< direction, 1 m along the view
+  float t[size];                       ///< m along the view
+  float nx[size], ny[size], nz[size];  ///< normal of the object hit, any length
+  int32_t object[size];                ///< index of the object hit, -1: none
   float gray[size];
 };
 
@@ -36,11 +36,11 @@ struct GroundLight {
 
 /// All that a tile's grey levels depend on besides its rays.
 struct Look {
-  float axes[9], x, y, z;        ///< camera in the world
+  float axes[9], x, y, z;  ///< camera in the world
   float rise, slope_start;
-  float pixel;                   ///< width of a pixel 1 m away
-  float sun_x, sun_y, sun_z;     ///< towards the sun
-  float contrast;                ///< of all textures
+  float pixel;                ///< width of a pixel 1 m away
+  float sun_x, sun_y, sun_z;  ///< towards the sun
+  float contrast;             ///< of all textures
   float gain, noise;
   uint32_t noise_seed;
   const uint32_t* texels;

@@ -22,9 +22,7 @@ ALWAYS F size_of(F value) { return (F)((I)value & 0x7fffffff); }
 ALWAYS F as_float(I value) { return __builtin_convertvector(value, F); }
 /// Towards zero.
 ALWAYS I cut(F value) { return __builtin_convertvector(value, I); }
-ALWAYS F gather(const float* from, I at) {
-  return (F)gather(reinterpret_cast<const uint32_t*>(from), at);
-}
+ALWAYS F gather(const float* from, I at) { return (F)gather(reinterpret_cast<const uint32_t*>(from), at); }
 
 /// 1 / sqrt(value) to 1e-6: a guess by the exponent, and three steps of Newton.
 ALWAYS F inverse_root(F value) {
@@ -46,28 +44,40 @@ ALWAYS F blend(U word, I part_x, I part_y) {
   return as_float(weigh(word, pair | pair << 16, (part_y ^ 127) | part_y << 16));
 }
 
-ALWAYS F sample_level(const uint32_t* texels, I surface, F u, F v, I level) {
+/// Places in 1/128 texel of a level, and where its words lie.
+struct Place {
+  I u, v, level, last, start;
+};
+ALWAYS Place place_in(I surface, F u, F v, I level) {
   const F scale = (F)((127 + 7 - level) << 23);
-  const I us = cut(u * scale - 64.0f), vs = cut(v * scale - 64.0f), last = (Textures::size >> level) - 1;
   // Textures::level_start; the division by 3 is exact, so it is a product.
   const U all_words = U{} + (1u << (2 * Textures::log_size + 2));
   const I start = (I)((all_words - (all_words >> (U)(2 * level))) * 0xaaaaaaabu);
-  const I index = surface + start + (((vs >> 7 & last) << (Textures::log_size - level)) | (us >> 7 & last));
-  return blend(gather(texels, index), us & 127, vs & 127);
+  return {cut(u * scale - 64.0f), cut(v * scale - 64.0f), level, (Textures::size >> level) - 1, surface + start};
+}
+/// The same place in the level of half the resolution.
+ALWAYS Place halved(const Place& at) {
+  return {(at.u - 64) >> 1, (at.v - 64) >> 1, at.level + 1, at.last >> 1,
+          at.start + ((at.last + 1) << (Textures::log_size - at.level))};
+}
+ALWAYS F look_up(const uint32_t* texels, const Place& at) {
+  const I index = at.start + (((at.v >> 7 & at.last) << (Textures::log_size - at.level)) | (at.u >> 7 & at.last));
+  return blend(gather(texels, index), at.u & 127, at.v & 127);
 }
 
 /// -1..1, from the two resolutions next to `level`.
 ALWAYS F sample(const uint32_t* texels, I surface, F u, F v, F level) {
   level = within(level, 0, static_cast<float>(Textures::levels) - 1.001f);
   const I sharper = cut(level);
-  const F a = sample_level(texels, surface, u, v, sharper), b = sample_level(texels, surface, u, v, sharper + 1);
+  const Place at = place_in(surface, u, v, sharper);
+  const F a = look_up(texels, at), b = look_up(texels, halved(at));
   return (a + (b - a) * (level - as_float(sharper))) * (1 / (127.5f * 127 * 127)) - 1.0f;
 }
 
 /// The same from the nearest resolution alone, for what is not looked at closely.
 ALWAYS F sample_roughly(const uint32_t* texels, I surface, F u, F v, F level) {
-  const F near = within(level + 0.5f, 0, static_cast<float>(Textures::levels) - 1);
-  return sample_level(texels, surface, u, v, cut(near)) * (1 / (127.5f * 127 * 127)) - 1.0f;
+  const I near = cut(within(level + 0.5f, 0, static_cast<float>(Textures::levels) - 1));
+  return look_up(texels, place_in(surface, u, v, near)) * (1 / (127.5f * 127 * 127)) - 1.0f;
 }
 
 ALWAYS F hazy(F gray, F distance) {
@@ -77,15 +87,18 @@ ALWAYS F hazy(F gray, F distance) {
 
 ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
   // Along the view the ground is foreshortened by 1 / grazing: a compromise between blur across and shimmer along.
-  const F width = t * (look.pixel * fine_texels_per_m), squared = width * width, level = 0.25f * rough_log2(squared * squared / grazing);
+  const F width = t * (look.pixel * fine_texels_per_m), squared = width * width;
+  const F level = 0.25f * rough_log2(squared * squared / grazing);
   const F fine = sample(look.texels, I{}, x * fine_texels_per_m, z * fine_texels_per_m, level);
   // Turned, so that the repetition of the one falls between that of the other.
   const F u = 0.83f * x + 0.55f * z, v = 0.83f * z - 0.55f * x;
   const F coarse = sample_roughly(look.texels, I{}, u * coarse_texels_per_m, v * coarse_texels_per_m, level - 1.95f);
   const GroundLight& light = *look.light;
   const float most = static_cast<float>(GroundLight::side) - 1.01f;
-  const I lu = cut(within((x - light.x0) * light.cells_per_m, 0, most) * 128.0f), lv = cut(within((z - light.z0) * light.cells_per_m, 0, most) * 128.0f);
-  const F lit = blend(gather(light.packed.data(), (lv >> 7) * GroundLight::side + (lu >> 7)), lu & 127, lv & 127) * (1 / (255.0f * 127 * 127));
+  const I lu = cut(within((x - light.x0) * light.cells_per_m, 0, most) * 128.0f);
+  const I lv = cut(within((z - light.z0) * light.cells_per_m, 0, most) * 128.0f);
+  const F lit = blend(gather(light.packed.data(), (lv >> 7) * GroundLight::side + (lu >> 7)), lu & 127, lv & 127) *
+                (1 / (255.0f * 127 * 127));
   const F shade = 1.0f - (look.contrast < 1 ? look.contrast : 1) * (1.0f - lit);
   return ground_brightness * shade * (1.0f + look.contrast * (0.75f * fine + 0.55f * coarse));
 }
@@ -93,8 +106,10 @@ ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
 ALWAYS F sky_gray(const Look& look, F dx, F dy, F dz) {
   const F up = greater(-dy, all(0.02f)), across = 1.0f / up;
   const I surface = I{} + static_cast<int32_t>(Surface::stone) * Textures::words;
-  const F cloud = sample_roughly(look.texels, surface, dx * across * 60.0f, dz * across * 60.0f, rough_log2(across * across) + 3.0f);
-  return haze_brightness + 22.0f * lesser(up, all(0.8f)) + 26.0f * (look.contrast < 1 ? look.contrast : 1) * cloud * lesser(up * 4.0f, all(1.0f));
+  const F cloud =
+      sample_roughly(look.texels, surface, dx * across * 60.0f, dz * across * 60.0f, rough_log2(across * across) + 3.0f);
+  return haze_brightness + 22.0f * lesser(up, all(0.8f)) +
+         26.0f * (look.contrast < 1 ? look.contrast : 1) * cloud * lesser(up * 4.0f, all(1.0f));
 }
 
 void aim(const Look& look, const float* x, const float* y, Batch& batch) {
@@ -174,7 +189,7 @@ void expose(const Look& look, const Batch& batch, uint32_t place, uint32_t row_s
   const U column = {0, 1, 2, 3, 4, 5, 6, 7};
   for (int i = 0; i < Batch::size; i += lanes) {
     const auto y = static_cast<uint32_t>(i / Rays::tile_width), x = static_cast<uint32_t>(i % Rays::tile_width);
-    U h = ((place + y * row_step + x + column) * 0x9e3779b9u) ^ look.noise_seed;
+    U h = (place + y * row_step + x + column) ^ look.noise_seed;
     h = (h ^ (h >> 16)) * 0x85ebca6bu;
     h = (h ^ (h >> 13)) * 0xc2b2ae35u;
     h ^= h >> 16;

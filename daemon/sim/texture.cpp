@@ -18,7 +18,8 @@ void add_noise(Field& field, int cell_x, int cell_y, float amplitude, uint32_t s
   const int columns = size / cell_x, rows = size / cell_y;
   std::vector<float> lattice(static_cast<size_t>(columns) * rows);
   for (size_t i = 0; i < lattice.size(); ++i)
-    lattice[i] = amplitude * (static_cast<float>(scramble(static_cast<uint32_t>(i) * 0x9e3779b9u + scramble(seed)) >> 8) * 0x1p-23f - 1);
+    lattice[i] =
+        amplitude * (static_cast<float>(scramble(static_cast<uint32_t>(i) * 0x9e3779b9u + scramble(seed)) >> 8) * 0x1p-23f - 1);
   const auto ease = [](float t) { return t * t * (3 - 2 * t); };
   std::vector<float> line(static_cast<size_t>(columns) + 1);
   for (int y = 0; y < size; ++y) {
@@ -35,12 +36,14 @@ void add_noise(Field& field, int cell_x, int cell_y, float amplitude, uint32_t s
   }
 }
 
-/// Noise of the same strength at each scale, as stone and soil have it; or weaker by `fading` from each scale to the next coarser.
+/// Noise of the same strength at each scale, as stone and soil have it; or weaker by `fading` from each scale to the next
+/// coarser.
 Field fractal(int finest, int coarsest, uint32_t seed, int stretch_x = 1, int stretch_y = 1, float fading = 1) {
   Field field(static_cast<size_t>(size) * size, 0.0f);
   float strength = 1;
   for (int cell = finest; cell <= coarsest; cell *= 2, strength *= fading)
-    add_noise(field, std::min(size / 2, cell * stretch_x), std::min(size / 2, cell * stretch_y), strength, seed * 31 + static_cast<uint32_t>(cell));
+    add_noise(field, std::min(size / 2, cell * stretch_x), std::min(size / 2, cell * stretch_y), strength,
+              seed * 31 + static_cast<uint32_t>(cell));
   return field;
 }
 
@@ -51,7 +54,8 @@ void level(Field& field, float deviation) {
     sum += value;
     squares += static_cast<double>(value) * value;
   }
-  const double n = static_cast<double>(field.size()), mean = sum / n, spread = std::sqrt(std::max(1e-12, squares / n - mean * mean));
+  const double n = static_cast<double>(field.size()), mean = sum / n,
+               spread = std::sqrt(std::max(1e-12, squares / n - mean * mean));
   for (float& value : field) value = static_cast<float>((value - mean) / spread) * deviation;
 }
 
@@ -76,7 +80,8 @@ Field surface(Surface which, uint32_t seed) {
     case Surface::planks:
       field = fractal(2, 32, seed, 4, 1);
       level(field, 0.20f);
-      for (const Field grit = fractal(2, 16, seed + 9); float& value : field) value += 0.07f * grit[static_cast<size_t>(&value - field.data())];
+      for (const Field grit = fractal(2, 16, seed + 9); float& value : field)
+        value += 0.07f * grit[static_cast<size_t>(&value - field.data())];
       add_joints(field, size, 64, 5, 0.6f, 0.15f, seed, false);
       break;
     case Surface::bricks:
@@ -88,7 +93,8 @@ Field surface(Surface which, uint32_t seed) {
     case Surface::bark:
       field = fractal(2, 32, seed, 1, 4);
       level(field, 0.25f);
-      for (const Field rings = fractal(4, 32, seed + 5); float& value : field) value += 0.1f * rings[static_cast<size_t>(&value - field.data())];
+      for (const Field rings = fractal(4, 32, seed + 5); float& value : field)
+        value += 0.1f * rings[static_cast<size_t>(&value - field.data())];
       break;
   }
   level(field, 0.28f);
@@ -104,7 +110,8 @@ std::vector<uint32_t> pack(const std::vector<uint8_t>& values, int side, bool re
     const uint8_t* upper = &values[static_cast<size_t>(y) * side];
     const uint8_t* lower = &values[static_cast<size_t>(next(y)) * side];
     for (int x = 0; x < side; ++x)
-      words[static_cast<size_t>(y) * side + x] = static_cast<uint32_t>(upper[x] | upper[next(x)] << 8 | lower[x] << 16 | lower[next(x)] << 24);
+      words[static_cast<size_t>(y) * side + x] =
+          static_cast<uint32_t>(upper[x] | upper[next(x)] << 8 | lower[x] << 16 | lower[next(x)] << 24);
   }
   return words;
 }
@@ -116,7 +123,8 @@ Textures make_textures(uint32_t seed) {
     Field field = surface(static_cast<Surface>(which), scramble(seed) + static_cast<uint32_t>(which) * 7919u);
     for (int side = size; side >= 1; side /= 2) {
       std::vector<uint8_t> values(static_cast<size_t>(side) * side);
-      for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<uint8_t>(std::clamp(127.5f * (1 + field[i]) + 0.5f, 0.0f, 255.0f));
+      for (size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<uint8_t>(std::clamp(127.5f * (1 + field[i]) + 0.5f, 0.0f, 255.0f));
       const std::vector<uint32_t> words = pack(values, side, true);
       textures.texels.insert(textures.texels.end(), words.begin(), words.end());
       const int half = side / 2;

@@ -9,8 +9,8 @@
 
 namespace vdisp::sim {
 
-/// A square of 8-bit texels and its halvings down to one texel. Each word holds a texel and its neighbours to the right, below and
-/// below right (lowest byte first), so that one read serves a bilinear sample.
+/// A square of 8-bit texels and its halvings down to one texel. Each word holds a texel and its neighbours to the right, below
+/// and below right (lowest byte first), so that one read serves a bilinear sample.
 struct Textures {
   static constexpr int log_size = 9, size = 1 << log_size, levels = log_size + 1;
   static constexpr int words = ((1 << (2 * log_size + 2)) - 1) / 3;  ///< of one surface with all its levels

@@ -24,7 +24,8 @@ constexpr std::chrono::seconds longest_wait{2};
 class SimSource final : public StereoSource {
  public:
   SimSource(const Config& config, std::unique_ptr<sim::Simulator> simulator)
-      : config_(config), spec_{Pixel::gray8, 0, static_cast<uint16_t>(config.sim.width), static_cast<uint16_t>(config.sim.height)},
+      : config_(config),
+        spec_{Pixel::gray8, 0, static_cast<uint16_t>(config.sim.width), static_cast<uint16_t>(config.sim.height)},
         simulator_(std::move(simulator)) {}
   ~SimSource() override {
     {
@@ -95,8 +96,8 @@ class SimSource final : public StereoSource {
 
 void require_size(const Config& config) {
   const auto refuse = [](const char* key, int wanted, int found) {
-    throw SourceError(78, "[image source] " + std::string(key) + " = " + std::to_string(wanted) + ", but [sim] " + key + " = " + std::to_string(found) +
-                              "; they must be equal, or the first 0");
+    throw SourceError(78, "[image source] " + std::string(key) + " = " + std::to_string(wanted) + ", but [sim] " + key + " = " +
+                              std::to_string(found) + "; they must be equal, or the first 0");
   };
   const image_source_section& wanted = config.image_source;
   if (wanted.width != 0 && wanted.width != config.sim.width) refuse("width", wanted.width, config.sim.width);
@@ -126,12 +127,15 @@ std::unique_ptr<StereoSource> open_sim(const Config& config, const std::vector<s
     void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!module) throw SourceError(69, "sim: the renderer " + file.string() + " does not load: " + dlerror());
     auto* make = reinterpret_cast<sim::MakeSimulator*>(dlsym(module, sim::make_simulator_symbol));
-    if (!make) throw SourceError(69, "sim: " + file.string() + " is no renderer of this version: it lacks " + sim::make_simulator_symbol);
+    if (!make)
+      throw SourceError(69, "sim: " + file.string() + " is no renderer of this version: it lacks " + sim::make_simulator_symbol);
     std::unique_ptr<sim::Simulator> simulator(make(config.sim));
-    if (!simulator) throw SourceError(69, "sim: the renderer " + file.string() + " cannot start: no memory, or Embree refused this processor");
+    if (!simulator)
+      throw SourceError(69, "sim: the renderer " + file.string() + " cannot start: no memory, or Embree refused this processor");
     return std::make_unique<SimSource>(config, std::move(simulator));
   }
-  throw SourceError(69, "sim: the renderer " + std::string(module_name) + " was not found in " + looked + "; it comes with the simulator's package");
+  throw SourceError(69, "sim: the renderer " + std::string(module_name) + " was not found in " + looked +
+                            "; it comes with the simulator's package");
 }
 
 }  // namespace vdisp

@@ -1,0 +1,32 @@
+// shapes.h: what an obstacle looks like to the ray tracer, and what space it takes.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "daemon/sim/scene.h"
+
+namespace vdisp::sim {
+
+struct Mesh {
+  std::vector<float> vertices;
+  std::vector<unsigned> triangles;
+  void vertex(double x, double y, double z) {
+    for (double value : {x, y, z}) vertices.push_back(static_cast<float>(value));
+  }
+  void triangle(unsigned a, unsigned b, unsigned c) { triangles.insert(triangles.end(), {a, b, c}); }
+  void quad(unsigned a, unsigned b, unsigned c, unsigned d) {
+    triangle(a, b, c);
+    triangle(a, c, d);
+  }
+};
+
+/// The surface of an object, of which `seed` gives a rock its bumps. `ground` is the world's y where it stands.
+Mesh shape(const SceneObject& object, double ground, uint32_t seed);
+
+using Corners = std::array<Point, 8>;  ///< neighbours differ in one bit of their index
+/// The corners of boxes that hold the object: one, or several for what is so long that one would be a poor fit on the screen.
+std::vector<Corners> boxes_around(const SceneObject& object, double ground);
+
+}  // namespace vdisp::sim
