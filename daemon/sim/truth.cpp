@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace vdisp::sim {
 namespace {
@@ -11,8 +12,7 @@ namespace {
 /// One image from the simulator's view of the frame that the input was made in.
 class TruthStage : public ImageProcessor {
  public:
-  TruthStage(Simulator& simulator, const Config& config)
-      : config_(config), view_(simulator.calibration().view), simulator_(simulator) {}
+  TruthStage(Simulator& simulator, const Config& config) : config_(config), view_(simulator.calibration().view), simulator_(simulator) {}
 
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override {
     if (in.size() != 1) throw FormatError("takes one image, was given " + std::to_string(in.size()));
@@ -35,7 +35,7 @@ class TruthStage : public ImageProcessor {
             static_cast<float>(view_.cx_offset), config_.image_source.minDisparity,
             config_.image_source.ndisp,          {}};
   }
-  const Config config_;
+  const Config& config_;
   const StereoView view_;
 
  private:
@@ -52,8 +52,7 @@ class TrueDisparity final : public TruthStage {
     for (int v = 0; v < truth.height; ++v) {
       const float* depth = &truth.depth[static_cast<size_t>(v) * truth.width];
       int16_t* row = out.row<int16_t>(v);
-      for (int u = 0; u < truth.width; ++u)
-        row[u] = depth[u] > 0 ? saturated(16 * view_.disparity(depth[u])) : rejected(Rejected::outside);
+      for (int u = 0; u < truth.width; ++u) row[u] = depth[u] > 0 ? saturated(16 * view_.disparity(depth[u])) : rejected(Rejected::outside);
     }
   }
 };
@@ -76,9 +75,7 @@ class TrueScene final : public TruthStage {
 
 class TrueFloor final : public TruthStage {
   using TruthStage::TruthStage;
-  ImageSpec make(const ImageSpec&) const override {
-    return {Pixel::line16, 0, static_cast<uint16_t>(16 * config_.image_source.ndisp), 1};
-  }
+  ImageSpec make(const ImageSpec&) const override { return {Pixel::line16, 0, static_cast<uint16_t>(16 * config_.image_source.ndisp), 1}; }
   /// In the column through the optical centre: with roll the floor is higher on one side by as much as it is lower on the other.
   FloorLine line(const GroundPlane& plane) const {
     const double pitch = std::atan(std::tan(plane.pitch) / std::cos(plane.roll));
@@ -104,31 +101,30 @@ class TrueMap final : public TruthStage {
     return {Pixel::count16, 0, static_cast<uint16_t>(columns()), static_cast<uint16_t>(rows())};
   }
   void fill(const TruthView& truth, Image& out) const noexcept override {
-    const auto f = static_cast<float>(view_.f), cx = static_cast<float>(view_.cx);
+    const auto cx = static_cast<float>(view_.cx), along = static_cast<float>(view_.f * std::cos(truth.scene.pitch_rad));
+    const mounting_section& mounting = config_.mounting;
     out.grid = {static_cast<float>(config_.map.cell),
                 static_cast<float>(rows()),
                 static_cast<float>(columns()) / 2,
-                -cx / f,
-                (static_cast<float>(truth.width) - cx) / f,
+                -cx / along,
+                (static_cast<float>(truth.width) - cx) / along,
                 static_cast<uint32_t>(config_.map.minCount),
                 0,
-                static_cast<float>(config_.mounting.x),
-                static_cast<float>(config_.mounting.y),
-                static_cast<float>(config_.mounting.yaw)};
-    for (int row = 0; row < rows(); ++row) std::fill_n(out.row<int16_t>(row), columns(), int16_t{0});
+                static_cast<float>(mounting.x),
+                static_cast<float>(mounting.y),
+                static_cast<float>(mounting.yaw)};
+    for (int row = 0; row < rows(); ++row) std::memset(out.row<int16_t>(row), 0, out.spec.stride());
     for (int v = 0; v < truth.height; ++v) {
       for (int u = 0; u < truth.width; ++u) {
         const size_t pixel = static_cast<size_t>(v) * truth.width + u;
-        if (truth.depth[pixel] > 0 && truth.elevation[pixel] > config_.limit.max_height)
-          count(truth, u, v, truth.depth[pixel], out);
+        if (truth.depth[pixel] > 0 && truth.elevation[pixel] > config_.limit.max_height) count(truth, u, v, truth.depth[pixel], out);
       }
     }
   }
   void count(const TruthView& truth, int u, int v, double z, Image& out) const noexcept {
     const Point seen{(u - view_.cx) * z / view_.f, (v - view_.cy) * z / view_.f, z};
     const Point h = horizontal(seen, truth.scene.pitch_rad, truth.scene.roll_rad);
-    const double row = rows() - 1 - std::floor(h.z / config_.map.cell),
-                 column = std::floor(h.x / config_.map.cell + columns() / 2.0);
+    const double row = rows() - 1 - std::floor(h.z / config_.map.cell), column = std::floor(h.x / config_.map.cell + columns() / 2.0);
     if (row < 0 || row >= rows() || column < 0 || column >= columns()) return;
     int16_t& cell = out.row<int16_t>(static_cast<int>(row))[static_cast<int>(column)];
     if (cell < INT16_MAX) ++cell;

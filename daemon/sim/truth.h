@@ -9,7 +9,7 @@
 namespace vdisp::sim {
 
 /// Adds truth/disparity, truth/object, truth/scene, truth/floor and truth/map. `camera` is the left raw image, whose time tells
-/// the frame. The simulator must outlive the driver's last step.
+/// the frame. Simulator and configuration must outlive the driver's last step.
 void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const Config& config);
 
 }  // namespace vdisp::sim

@@ -82,7 +82,7 @@ class SimSource final : public StereoSource {
     }
   }
 
-  const Config config_;
+  const Config& config_;
   const ImageSpec spec_;
   std::unique_ptr<sim::Simulator> simulator_;
   std::mutex mutex_;
@@ -127,15 +127,14 @@ std::unique_ptr<StereoSource> open_sim(const Config& config, const std::vector<s
     void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!module) throw SourceError(69, "sim: the renderer " + file.string() + " does not load: " + dlerror());
     auto* make = reinterpret_cast<sim::MakeSimulator*>(dlsym(module, sim::make_simulator_symbol));
-    if (!make)
-      throw SourceError(69, "sim: " + file.string() + " is no renderer of this version: it lacks " + sim::make_simulator_symbol);
+    if (!make) throw SourceError(69, "sim: " + file.string() + " is no renderer of this version: it lacks " + sim::make_simulator_symbol);
     std::unique_ptr<sim::Simulator> simulator(make(config.sim));
     if (!simulator)
       throw SourceError(69, "sim: the renderer " + file.string() + " cannot start: no memory, or Embree refused this processor");
     return std::make_unique<SimSource>(config, std::move(simulator));
   }
-  throw SourceError(69, "sim: the renderer " + std::string(module_name) + " was not found in " + looked +
-                            "; it comes with the simulator's package");
+  throw SourceError(
+      69, "sim: the renderer " + std::string(module_name) + " was not found in " + looked + "; it comes with the simulator's package");
 }
 
 }  // namespace vdisp

@@ -14,7 +14,7 @@ namespace vdisp {
 std::vector<std::filesystem::path> simulator_places();
 
 /// Loads the renderer from the first of these places that has it. Throws SourceError 69 where it is in none or does not start,
-/// and 78 where [image source] asks for another size than [sim].
+/// and 78 where [image source] asks for another size than [sim]. The configuration must outlive the source.
 std::unique_ptr<StereoSource> open_sim(const Config& config, const std::vector<std::filesystem::path>& places);
 inline std::unique_ptr<StereoSource> open_sim(const Config& config) { return open_sim(config, simulator_places()); }
 

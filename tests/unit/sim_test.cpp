@@ -39,8 +39,7 @@ sim_section perfect(const std::string& scene) {
 
 Pair render(sim::Simulator& simulator, const sim_section& parameters, uint64_t frame) {
   Pair pair{cv::Mat(parameters.height, parameters.width, CV_8U), cv::Mat(parameters.height, parameters.width, CV_8U)};
-  simulator.render(frame, reinterpret_cast<std::byte*>(pair.left.data), reinterpret_cast<std::byte*>(pair.right.data),
-                   pair.left.step);
+  simulator.render(frame, reinterpret_cast<std::byte*>(pair.left.data), reinterpret_cast<std::byte*>(pair.right.data), pair.left.step);
   return pair;
 }
 
@@ -108,8 +107,8 @@ TEST(Sim, every_instruction_set_draws_the_same) {
   sim::GroundLight light;
   light.x0 = light.z0 = -10;
   light.cells_per_m = 20;
-  light.packed = sim::pack(std::vector<uint8_t>(size_t{sim::GroundLight::side} * sim::GroundLight::side, 200),
-                           sim::GroundLight::side, false);
+  light.packed =
+      sim::pack(std::vector<uint8_t>(size_t{sim::GroundLight::side} * sim::GroundLight::side, 200), sim::GroundLight::side, false);
   sim::ObjectTable table;
   for (auto* column : {&table.x, &table.y, &table.z, &table.cos_yaw, &table.sin_yaw, &table.shift}) column->push_back(0.6f);
   table.brightness.push_back(120);
@@ -218,8 +217,7 @@ TEST(Sim, opencv_rectifies_the_raw_images_by_the_calibration) {
     const auto ideal = sim::make_simulator(parameters);
     parameters.distortion = distortion;
     const auto real = sim::make_simulator(parameters);
-    const Pair raw = render(*real, parameters, 2), straight = rectified(raw, real->calibration()),
-               goal = render(*ideal, parameters, 2);
+    const Pair raw = render(*real, parameters, 2), straight = rectified(raw, real->calibration()), goal = render(*ideal, parameters, 2);
     EXPECT_LT(photo_error(straight, real->truth(2), real->calibration().view), 4.0);
     EXPECT_GT(photo_error(raw, real->truth(2), real->calibration().view), 8.0) << "rectification has no work to do";
     const cv::Rect inner(8, 8, 304, 224);
@@ -243,8 +241,7 @@ TEST(Sim, noise_and_gain_are_those_asked_for) {
   EXPECT_NEAR(mean[0], 0, 0.1);
   EXPECT_NEAR(deviation[0], 6, 0.2);
   EXPECT_NEAR(cv::mean(b.right)[0] / cv::mean(a.right)[0], 1.2, 0.01);
-  EXPECT_GT(cv::norm(render(*noisy, parameters, 1).left, render(*noisy, parameters, 2).left, cv::NORM_L1), 1e5)
-      << "noise stands still";
+  EXPECT_GT(cv::norm(render(*noisy, parameters, 1).left, render(*noisy, parameters, 2).left, cv::NORM_L1), 1e5) << "noise stands still";
 }
 
 TEST(Sim, pitch_roll_and_height_are_the_parameters_on_the_slope_too) {
@@ -318,8 +315,7 @@ class Tree {
   explicit Tree(const Config& config) : driver_(1) {
     auto source = open_sim(config);
     StereoSource* stereo = source.get();
-    const auto cameras =
-        driver_.add(std::vector<std::string>{"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+    const auto cameras = driver_.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
     stereo->add_truth(driver_, cameras[0]);
     driver_.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
     driver_.need_all();
