@@ -62,10 +62,11 @@ def unlevel(points, pitch, roll=0.0):
     return x * np.cos(roll) + y * np.sin(roll), -x * np.sin(roll) + y * np.cos(roll), z
 
 
-def fit_plane(points, reach, seed=1, tries=400):
+def fit_plane(points, reach, heights, tilt, seed=1, tries=2000):
     """Robust ground plane of camera-frame points (n, 3): unit normal pointing down, distance of the camera from it.
 
-    RANSAC over planes that tilt less than 15 degrees, then least squares on what lies within `reach`, five times."""
+    RANSAC over planes whose distance lies within `heights` and that tilt less than `tilt` rad, then least squares on what lies within
+    `reach`, as long as that keeps to the same limits."""
     random = np.random.default_rng(seed)
     sample = points[random.integers(0, len(points), min(len(points), 20000))]
     best, best_count = None, 0
@@ -77,7 +78,7 @@ def fit_plane(points, reach, seed=1, tries=400):
             continue
         normal = normal / length if normal[1] > 0 else -normal / length
         distance = normal @ a
-        if normal[1] < np.cos(np.radians(15)) or distance <= 0:
+        if normal[1] < np.cos(tilt) or not heights[0] < distance < heights[1]:
             continue
         count = np.count_nonzero(np.abs(sample @ normal - distance) < reach)
         if count > best_count:
@@ -86,9 +87,11 @@ def fit_plane(points, reach, seed=1, tries=400):
     for _ in range(5):
         near = sample[np.abs(sample @ normal - distance) < reach]
         middle = near.mean(axis=0)
-        normal = np.linalg.svd(near - middle, full_matrices=False)[2][2]
-        normal = normal if normal[1] > 0 else -normal
-        distance = normal @ middle
+        better = np.linalg.svd(near - middle, full_matrices=False)[2][2]
+        better = better if better[1] > 0 else -better
+        if better[1] < np.cos(tilt) or not heights[0] < better @ middle < heights[1]:
+            break
+        normal, distance = better, better @ middle
     return normal, distance
 
 

@@ -125,7 +125,7 @@ def lidar_truth(depth, camera, ndisp, corrsize=11):
     seen &= (high < 1.05 * low) & (depth < 40)
     points = np.stack(geometry.camera_points(camera, depth), axis=-1)
     ground = points[seen & (np.arange(depth.shape[0])[:, None] > camera["cy"] + 20) & (depth < 25)]
-    normal, distance = geometry.fit_plane(ground, 0.08)
+    normal, distance = geometry.fit_plane(ground, 0.08, (1.5, 1.8), 4 * DEGREE)  # the camera of all KITTI drives stands 1.65 m high
     pitch, roll = geometry.pose_of_plane(normal)
     above = distance - points @ normal
     usable = seen & geometry.matchable(ndisp, corrsize, depth.shape)
