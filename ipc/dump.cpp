@@ -87,7 +87,8 @@ ordered_json camera_json(const CameraGeometry& camera) {
 
 ordered_json grid_json(const GridGeometry& grid) {
   return {{"cell", number(grid.cell)},           {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
-          {"view_left", number(grid.view_left)}, {"view_right", number(grid.view_right)}, {"min_count", grid.min_count}};
+          {"view_left", number(grid.view_left)}, {"view_right", number(grid.view_right)}, {"min_count", grid.min_count}, 
+          {"pose", {number(grid.pose_x), number(grid.pose_y), number(grid.pose_yaw)}}};
 }
 
 ordered_json rejected_json(const Image& image) {
@@ -201,7 +202,8 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
 
 void FrameDump::add_picture(const std::string& topic, const Image& image) {
   const bool grid = is_grid(topic);
-  json_->stages[topic][grid ? "grid" : "camera"] = grid ? grid_json(image.grid) : camera_json(image.camera);
+  if (grid) json_->stages[topic]["grid"] = grid_json(image.grid);
+  if (!grid && image.camera.f > 0) json_->stages[topic]["camera"] = camera_json(image.camera);
   switch (image.spec.pixel) {
     case Pixel::gray8:
     case Pixel::mask8: return add_file(topic + ".png", plain(PngKind::gray8, image));

@@ -51,7 +51,9 @@ void Edges::see(const Topic& topic, const Image& image) {
   if (topic.name != "floor_model" || camera_.lost) return;
   edge(floor_, "floor", image);
   const FloorModel* model = record_of<FloorModel>(image);
-  if (model && image.valid()) compare(*model, image);
+  if (!model || !image.valid()) return;
+  trace("frame {}: floor height {:.3f} m, pitch {:.4f} rad, confidence {:.2f}", image.sequence, model->height_m, model->pitch_rad, model->confidence);
+  compare(*model, image);
 }
 
 }  // namespace vdisp::log

@@ -65,7 +65,7 @@ void Tracer::EraseProbe::operator()(Probe* probe) const { delete probe; }
 
 std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
   auto shapes = std::make_unique<Shapes>();
-  shapes->device = rtcNewDevice("threads=1,set_affinity=0");
+  shapes->device = rtcNewDevice("set_affinity=0");
   if (!shapes->device) return nullptr;
   shapes->scene = rtcNewScene(shapes->device);
   rtcSetSceneBuildQuality(shapes->scene, RTC_BUILD_QUALITY_HIGH);

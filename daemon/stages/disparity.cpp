@@ -37,7 +37,7 @@ void Disparity::set_parameters() {
     block_->setNumDisparities(p.ndisp);
     block_->setMinDisparity(p.minDisparity);
     block_->setBlockSize(p.corrsize);
-    block_->setTextureThreshold(p.thresh * p.corrsize * p.corrsize / 8);
+    block_->setTextureThreshold(p.thresh * p.corrsize * p.corrsize / 2);
     block_->setUniquenessRatio(p.unique);
   } else {
     const int block = (p.corrsize / 2) | 1;

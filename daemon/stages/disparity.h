@@ -14,7 +14,7 @@ namespace vdisp {
 /// What the parameters of SVS (paper table 3) become in OpenCV:
 ///   ndisp, minDisparity          the same                     the same
 ///   corrsize                     StereoBM window              StereoSGBM block corrsize / 2, made odd
-///   thresh                       textureThreshold = thresh * corrsize^2 / 8, so that the same number means the same contrast
+///   thresh                       textureThreshold = thresh * corrsize^2 / 2, so that the same number means the same contrast
 ///                                whatever the window          (no such filter)
 ///   unique                       uniquenessRatio              uniquenessRatio
 ///   left/right check             disp12MaxDiff = 1            disp12MaxDiff = 1

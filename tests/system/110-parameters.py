@@ -1,0 +1,362 @@
+#!/usr/bin/python3
+"""110: each parameter of the table changes the stage it names, in the direction its help states. A key without a proof fails.
+
+SPDX-License-Identifier: Apache-2.0
+"""
+import re
+import subprocess
+import time
+
+import cv2
+import numpy
+
+from programs import ProgramTest, Running, isolated_main, run, wait_until
+
+# A small scene with everything in it: ground, obstacles near and far, noise.
+BASE = ["main.middleware=none", "main.debug=0", "image source.source=sim", "sim.scene=flat", "sim.seed=3", "sim.width=320",
+        "sim.height=240", "sim.rate=0", "image source.ndisp=32"]
+
+
+class Dumped:
+    """The last frame of a run."""
+
+    def __init__(self, test, folder, frames):
+        self.test, self.folder, self.number = test, folder, frames - 1
+        self.json = test.frame(folder, self.number)
+
+    def picture(self, stage):
+        image = cv2.imread(str(self.folder / f"{self.number:06d}" / f"{stage}.png"), cv2.IMREAD_UNCHANGED)
+        self.test.assertIsNotNone(image, f"{stage} was not dumped: {self.json['stages'].get(stage)}")
+        return image
+
+    def line(self, stage):
+        return numpy.loadtxt(self.folder / f"{self.number:06d}" / f"{stage}.csv", delimiter=",", skiprows=1, ndmin=2)
+
+    def rejected(self, why):
+        return self.json["rejected"]["disparity"][why]
+
+    def floor(self, key):
+        return self.json["floor"][key]
+
+    def valid(self, stage):
+        return self.json["stages"][stage]["valid"]
+
+    def grid(self, key):
+        return self.json["stages"]["map"]["grid"][key]
+
+    def obstacle_cells(self):
+        """Occupied cells as map_server reads them."""
+        return int((cv2.imread(str(self.folder / f"{self.number:06d}" / "map.pgm"), 0) == 0).sum())
+
+
+class Parameters(ProgramTest):
+    runs = 0
+
+    def dump(self, *sets, frames=1, base=BASE):
+        Parameters.runs += 1
+        folder = self.folder / f"run{Parameters.runs}"
+        arguments = [word for item in [*base, *sets] for word in ("--set", item)]
+        result = run("vdispd", *arguments, "--frames", frames, "--dump", folder)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return Dumped(self, folder, frames)
+
+    def rises(self, key, values, measure, *sets, frames=1):
+        """measure(run) grows strictly with the values of the key."""
+        found = [measure(self.dump(*sets, f"{key}={value}", frames=frames)) for value in values]
+        for a, b in zip(found, found[1:]):
+            self.assertLess(a, b, f"{key} = {values}: {found}")
+
+    def falls(self, key, values, measure, *sets, frames=1):
+        self.rises(key, values, lambda dumped: -measure(dumped), *sets, frames=frames)
+
+    # [main]
+    def test_main_middleware(self):
+        for value, files in (("shm", True), ("ddx", True), ("none", False)):
+            with Running("vdispd", "--sim", "--set", f"main.middleware={value}", "--frames", "10000"):
+                self.assertEqual(wait_until(lambda: run("vdisp-probe", "list").returncode == 0, 5 if files else 1.5), files, value)
+
+    def test_main_period(self):
+        times = []
+        for period in (0, 200):
+            begin = time.monotonic()
+            self.dump(f"main.period={period}", frames=6)
+            times.append(time.monotonic() - begin)
+        self.assertGreater(times[1], times[0] + 0.5)  # 5 pauses of up to 200 ms
+
+    def test_main_debug(self):
+        def words(level):
+            return len(run("vdispd", "--sim", "--frames", "3", "--set", "main.middleware=none", "--set", f"main.debug={level}", "--set",
+                           "sim.scene=wall", "--set", "image source.thresh=40", "--set", "Floor.minRansac=100000").stderr)
+        self.assertLess(words(0), words(1))
+        self.assertLess(words(1), words(2))
+        self.assertLess(words(2), words(3))
+
+    def test_main_name(self):
+        with Running("vdispd", "--sim", "--set", "main.name=other"):
+            self.assertTrue(wait_until(lambda: run("vdisp-probe", "list", "--name", "other").returncode == 0, 5))
+            self.assertEqual(run("vdisp-probe", "list").returncode, 69)
+
+    def test_main_threads(self):
+        def threads(count):
+            with Running("vdispd", "--sim", "--set", "main.middleware=none", "--set", f"main.threads={count}") as daemon:
+                time.sleep(1.5)
+                return len(subprocess.run(["ls", f"/proc/{daemon.process.pid}/task"], capture_output=True, text=True).stdout.split())
+        self.assertLess(threads(1), threads(4))
+        one, four = (self.dump(f"main.threads={count}") for count in (1, 4))
+        numpy.testing.assert_array_equal(one.picture("disparity"), four.picture("disparity"))
+
+    def test_main_detectors(self):
+        self.assertIn("map", self.dump("main.detectors=vdisparity").json["stages"])
+        stages = self.dump("main.detectors=none").json["stages"]
+        self.assertIn("disparity", stages)
+        self.assertNotIn("map", stages)
+
+    # [image source]
+    def files(self, *sets, frames=1):
+        return self.dump(*sets, frames=frames, base=["main.middleware=none", "main.debug=0", "image source.ndisp=32",
+                                                     "image source.source=files"])
+
+    def pairs(self):
+        folder = self.write_pairs(3, 320, 240)
+        return [f"image source.left={folder}/left/%06d.png", f"image source.right={folder}/right/%06d.png"]
+
+    def test_image_source_source(self):
+        self.assertEqual(self.files(*self.pairs()).json["files"], {"left": "000000.png", "right": "000000.png"})
+        self.assertNotIn("000000.png", str(self.dump().json.get("files")))
+
+    def test_image_source_left_and_right(self):
+        left, right = self.pairs()
+        first = cv2.imread(str(self.folder / "left" / "000000.png"), 0)
+        second = cv2.imread(str(self.folder / "right" / "000000.png"), 0)
+        dumped = self.files(left, right)
+        numpy.testing.assert_array_equal(dumped.picture("camera/left"), first)
+        numpy.testing.assert_array_equal(dumped.picture("camera/right"), second)
+        dumped = self.files(left.replace("/left/", "/right/"), right.replace("/right/", "/left/"))
+        numpy.testing.assert_array_equal(dumped.picture("camera/left"), second)
+
+    def test_image_source_rate(self):
+        self.assertEqual(self.files(*self.pairs(), "image source.rate=10", frames=2).json["timestamp_ns"], 100_000_000)
+        self.assertEqual(self.files(*self.pairs(), "image source.rate=50", frames=2).json["timestamp_ns"], 20_000_000)
+
+    def test_image_source_loop(self):
+        steps = {}
+        for loop in ("no", "yes"):
+            sets = [word for item in [*self.pairs(), "main.middleware=none", "image source.source=files", "image source.ndisp=32",
+                                      f"image source.loop={loop}"] for word in ("--set", item)]
+            steps[loop] = re.search(r"(\d+) steps", run("vdispd", *sets, "--frames", 7).stderr).group(1)
+        self.assertEqual(steps, {"no": "3", "yes": "7"})
+
+    def test_image_source_paramfile(self):
+        pairs = self.pairs()
+        matrix = "!!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ 200., 0., 160., {}, 0., 200., 120., 0., 0., 0., 1., 0. ]\n"
+        (self.folder / "c.yml").write_text("%YAML:1.0\n---\nimage_width: 320\nimage_height: 240\nP1: " + matrix.format("0.") + "P2: " +
+                                           matrix.format("-20."))
+        self.assertNotIn("camera", self.files(*pairs).json["stages"]["left"])
+        self.assertFalse(self.files(*pairs).valid("map"))
+        self.assertEqual(self.files(*pairs, f"image source.paramfile={self.folder}/c.yml").json["stages"]["left"]["camera"]["baseline"],
+                         numpy.float32(0.1))
+
+    def test_image_source_width_and_height(self):
+        self.files(*self.pairs(), "image source.width=320", "image source.height=240")
+        for wrong in ("image source.width=300", "image source.height=300"):
+            with self.assertRaisesRegex(AssertionError, "78"):
+                self.files(*self.pairs(), wrong)
+
+    def test_image_source_matcher(self):
+        dense = "sim.scene=empty"
+        self.assertGreater(self.dump(dense, "image source.matcher=opencv-sgbm").rejected("measured"),
+                           self.dump(dense, "image source.matcher=opencv").rejected("measured"))
+
+    def test_image_source_ndisp(self):
+        self.rises("image source.ndisp", [32, 64], lambda d: d.picture("vdisparity").shape[1])
+        self.rises("image source.ndisp", [16, 32], lambda d: d.picture("disparity").max())
+
+    def test_image_source_minDisparity(self):
+        self.assertGreaterEqual(self.least_disparity(self.dump("image source.minDisparity=12")), 11 * 16)
+        self.assertLess(self.least_disparity(self.dump()), 11 * 16)
+
+    def least_disparity(self, dumped):
+        disparity = dumped.picture("disparity")
+        return disparity[disparity > 0].min()
+
+    def test_image_source_corrsize(self):
+        self.falls("image source.corrsize", [5, 9, 15], lambda d: d.rejected("matcher"), "sim.noise=8")
+
+    def test_image_source_thresh(self):
+        self.rises("image source.thresh", [0, 20, 40], lambda d: d.rejected("low_texture"), "sim.texture=0.2")
+
+    def test_image_source_unique(self):
+        self.rises("image source.unique", [0, 10, 40], lambda d: d.rejected("matcher"))
+
+    def test_image_source_SpeckleSize(self):
+        self.rises("image source.SpeckleSize", [0, 100, 2000], lambda d: d.rejected("speckle"))
+
+    def test_image_source_SpeckleDiff(self):
+        self.falls("image source.SpeckleDiff", [0, 1, 4], lambda d: d.rejected("speckle"))
+
+    # [mounting]
+    def test_mounting_height_and_heightTolerance(self):
+        self.assertFalse(self.dump("mounting.height=0.8").floor("mounting_differs"))
+        self.assertTrue(self.dump("mounting.height=1.2").floor("mounting_differs"))
+        self.assertFalse(self.dump("mounting.height=1.2", "mounting.heightTolerance=0.5").floor("mounting_differs"))
+
+    def test_mounting_pitch_and_pitchTolerance(self):
+        self.assertFalse(self.dump("mounting.pitch=0.26").floor("mounting_differs"))
+        self.assertTrue(self.dump("mounting.pitch=0.5").floor("mounting_differs"))
+        self.assertFalse(self.dump("mounting.pitch=0.5", "mounting.pitchTolerance=0.5").floor("mounting_differs"))
+
+    def test_mounting_roll(self):
+        # Everything in this view lies below the optical axis or little above: undoing a roll to the right moves it to the left.
+        def middle(dumped):
+            cells = dumped.picture("map").astype(float)
+            return (cells.sum(0) @ numpy.arange(cells.shape[1])) / cells.sum()
+        self.falls("mounting.roll", [0, 0.3, 0.6], middle, "sim.pitch=-0.1", "Limit obstacle.angRot=-0.1", "sim.scene=obstacles")
+
+    def test_mounting_yaw_x_and_y(self):
+        pose = self.dump("mounting.x=0.5", "mounting.y=-0.25", "mounting.yaw=0.125").grid("pose")
+        self.assertEqual(pose, [0.5, -0.25, 0.125])
+        self.assertEqual(self.dump().grid("pose"), [0, 0, 0])
+
+    # [Floor]
+    def test_floor_model(self):
+        self.assertEqual(self.dump("Floor.model=line").floor("model"), "line")
+
+    def test_floor_minVotes(self):
+        self.falls("Floor.minVotes", [0, 3, 10], lambda d: d.floor("points"))
+
+    def test_floor_minRansac(self):
+        self.assertEqual(self.dump("Floor.minRansac=100").floor("state"), "found")
+        lost = self.dump("Floor.minRansac=100000")
+        self.assertEqual((lost.floor("state"), lost.json["reason"], lost.valid("map")), ("lost", "few_points", False))
+
+    def test_floor_iterRansac(self):
+        # The draws of a frame are the same: more of them never find a line with fewer points, and among many frames some with more.
+        def points(iterations):
+            dumped = self.dump("sim.scene=obstacles", "sim.noise=12", "Floor.distThres=1", f"Floor.iterRansac={iterations}", frames=6)
+            return sum(self.frame(dumped.folder, i)["floor"]["points"] for i in range(6))
+        self.assertLess(points(10), points(400))
+
+    def test_floor_anglefloorMin(self):
+        self.assertEqual(self.dump("Floor.anglefloorMin=0.3").floor("state"), "found")
+        above = self.dump("Floor.anglefloorMin=1.2", "Floor.anglefloorMax=1.5")
+        self.assertTrue(above.floor("state") == "lost" or above.floor("a") > numpy.tan(1.2))
+
+    def test_floor_anglefloorMax(self):
+        self.assertEqual(self.dump("Floor.anglefloorMax=0.7").floor("state"), "found")
+        below = self.dump("Floor.anglefloorMax=0.2")
+        self.assertTrue(below.floor("state") == "lost" or below.floor("a") < numpy.tan(0.2))
+
+    def test_floor_distThres(self):
+        self.rises("Floor.distThres", [0.5, 2, 8], lambda d: d.floor("points"))
+
+    # [Limit obstacle]
+    def test_limit_obstacle_max_height(self):
+        self.falls("Limit obstacle.max_height", [0.1, 0.2, 0.4], lambda d: (d.picture("obstacles") > 0).sum())
+        self.falls("Limit obstacle.max_height", [0.1, 0.2, 0.4], lambda d: d.line("limit")[300, 1])
+
+    def test_limit_obstacle_and_map_angRot(self):
+        self.falls("Limit obstacle.angRot", [0, 0.26, 0.8], lambda d: d.line("limit")[300, 1])
+        # What lies below the axis is taken to be nearer, the more the camera is taken to look down.
+        def distance(dumped):
+            cells = dumped.picture("map").astype(float)
+            return (cells.sum(1) @ (50 - numpy.arange(50))) / cells.sum()
+        self.falls("Map.angRot", [0.3, 0.5, 0.8], distance, "sim.scene=obstacles")
+        self.assertFalse(numpy.array_equal(self.dump("Map.angRot=auto", "sim.pitch=0.4").picture("map"),
+                                           self.dump("Map.angRot=0.1", "sim.pitch=0.4").picture("map")))
+
+    # [Map]
+    def test_map_range(self):
+        self.rises("Map.range", [3, 5, 20], lambda d: d.picture("map").shape[0])
+
+    def test_map_width(self):
+        self.rises("Map.width", [3, 5.1, 20], lambda d: d.picture("map").shape[1])
+
+    def test_map_cell(self):
+        self.falls("Map.cell", [0.05, 0.1, 0.5], lambda d: d.picture("map").size)
+
+    def test_map_minCount(self):
+        self.falls("Map.minCount", [1, 10, 100], lambda d: d.obstacle_cells())
+
+    # [ipc]
+    def test_ipc_memory(self):
+        result = run("vdispd", "--sim", "--frames", 1, "--set", "ipc.memory=4")
+        self.assert_refused(result, 78, "memory")
+        self.assertEqual(run("vdispd", "--sim", "--frames", 1, "--set", "ipc.memory=256").returncode, 0)
+
+    def test_ipc_group(self):
+        self.assert_refused(run("vdispd", "--sim", "--frames", 1, "--set", "ipc.group=no-such-group"), 78, "no-such-group")
+        with Running("vdispd", "--sim", "--set", "ipc.group=nogroup"):
+            owner = lambda: subprocess.run(["stat", "-c", "%G", "/dev/shm/iceoryx_mgmt"], capture_output=True, text=True).stdout.strip()
+            self.assertTrue(wait_until(lambda: owner() == "nogroup", 5), owner())
+
+    # [sim]
+    def test_sim_scene(self):
+        first = self.dump("sim.scene=flat").picture("camera/left")
+        for scene in ("drive", "obstacles", "empty", "wall"):
+            self.assertGreater(numpy.abs(first.astype(int) - self.dump(f"sim.scene={scene}").picture("camera/left")).mean(), 2, scene)
+
+    def test_sim_seed(self):
+        one, again, other = (self.dump(f"sim.seed={seed}").picture("camera/left") for seed in (5, 5, 6))
+        numpy.testing.assert_array_equal(one, again)
+        self.assertGreater(numpy.abs(one.astype(int) - other).mean(), 2)
+
+    def test_sim_rate(self):
+        self.falls("sim.rate", [5, 50], lambda d: d.json["timestamp_ns"], frames=2)
+
+    def test_sim_width_and_height(self):
+        self.assertEqual(self.dump("sim.width=400", "sim.height=200").picture("camera/left").shape, (200, 400))
+
+    def test_sim_cameraHeight(self):
+        self.rises("sim.cameraHeight", [0.6, 0.8, 1.0], lambda d: d.floor("height_m"), "sim.scene=empty")
+
+    def test_sim_pitch(self):
+        self.rises("sim.pitch", [0.2, 0.3, 0.4], lambda d: d.floor("pitch_rad"), "sim.scene=empty")
+
+    def test_sim_roll(self):
+        # With the right side low the camera's right is nearer to the ground: more disparity there.
+        def lean(dumped):
+            row = dumped.picture("truth/disparity")[180].astype(float)
+            return row[240:280].mean() - row[40:80].mean()
+        self.rises("sim.roll", [-0.2, 0, 0.2], lean, "sim.scene=empty")
+
+    def test_sim_yaw(self):
+        def objects(dumped):
+            return numpy.mean([o["x"] for o in dumped.json["truth_scene"]["objects"]])
+        self.rises("sim.yaw", [-0.2, 0, 0.2], objects, "sim.scene=obstacles")
+
+    def test_sim_slope(self):
+        # Rising ground hides the horizon: more of the picture is ground.
+        self.rises("sim.slope", [-0.1, 0, 0.1], lambda d: (d.picture("truth/object") == 0).sum(), "sim.scene=empty")
+
+    def test_sim_noise(self):
+        def difference(dumped):
+            return numpy.abs(dumped.picture("camera/left").astype(float) - clean).mean()
+        clean = self.dump("sim.noise=0").picture("camera/left").astype(float)
+        self.rises("sim.noise", [0, 2, 10], difference)
+
+    def test_sim_gain(self):
+        self.rises("sim.gain", [0.8, 1, 1.2], lambda d: d.picture("camera/right").mean() / d.picture("camera/left").mean())
+
+    def test_sim_distortion(self):
+        def work(dumped):
+            return numpy.abs(dumped.picture("camera/left").astype(float) - dumped.picture("left")).mean()
+        self.rises("sim.distortion", [0, 0.1, 0.3], work)
+
+    def test_sim_texture(self):
+        self.rises("sim.texture", [0, 0.5, 1], lambda d: d.picture("camera/left")[150:].std(), "sim.noise=0", "sim.scene=empty")
+
+    def test_no_key_is_without_a_proof(self):
+        section, missing = "", []
+        proofs = {name for name in dir(self) if name.startswith("test_")}
+        for line in run("vdispd", "--print-config").stdout.splitlines():
+            if line.startswith("["):
+                section = line.strip("[]").lower().replace(" ", "_")
+            elif re.match(r"\w+ *=", line):
+                key = re.match(r"\w+", line).group()
+                if not any(name.startswith(f"test_{section}_") and re.search(rf"_{key}(_|$)", name) for name in proofs):
+                    if not (section == "map" and key == "angRot"):
+                        missing.append(f"[{section}] {key}")
+        self.assertEqual(missing, [])
+
+
+isolated_main()
