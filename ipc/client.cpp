@@ -33,6 +33,9 @@ void sleep_until(int64_t at) {
 
 std::atomic<bool> in_use{false};
 
+/// iceoryx separates the parts of a message by commas and cuts names at 100 characters.
+bool possible_name(const std::string& name) { return !name.empty() && name.size() <= 100 && name.find(',') == std::string::npos; }
+
 /// What tells one image of a topic from another.
 struct Identity {
   uint64_t epoch = 0, sequence = 0;
@@ -136,7 +139,7 @@ void Client::Implementation::ask_ports(int64_t now) {
   }
   for (size_t i = 0; i < slots.size(); ++i) {
     Slot& slot = slots[i];
-    if (slot.name.empty() || slot.port || now < slot.retry_ns) continue;
+    if (!possible_name(slot.name) || slot.port || now < slot.retry_ns) continue;
     slot.subscribed_ns = now;
     link.ask_port(instance, slot.name, now);
     if (!link.up()) return lose(link.message());
@@ -149,7 +152,7 @@ void Client::Implementation::service_until(int64_t deadline) {
   for (int64_t now = now_ns();; now = now_ns()) {
     service(now);
     const bool settled = connected() && asked < 0;
-    const bool hopeless = !link.up() && link.failure() != Connection::connected && link.message() != "registering with vdispd";
+    const bool hopeless = !link.up() && !link.registering();
     if (settled || hopeless || now >= deadline) return;
     sleep_until(now + poll_ns / 4);
   }
@@ -221,10 +224,15 @@ Client::Implementation::Slot* Client::Implementation::find(Topic topic) {
 Client::Client(std::string instance) : implementation_(new Implementation) {
   Implementation& self = *implementation_;
   self.instance = std::move(instance);
-  self.only = !in_use.exchange(true);
   self.slots.resize(2);
   self.slots[Implementation::heartbeat].name = "heartbeat";
   self.slots[Implementation::catalogue].name = "catalogue";
+  if (!possible_name(self.instance)) {
+    self.message = "'" + self.instance + "' is no name of a daemon: 1 to 100 characters, no comma";
+    return;
+  }
+  self.only = !in_use.exchange(true);
+  if (!self.only) self.message = "this process has another vdisp::Client; one per process";
   if (!self.only) return;
   silence_iceoryx();
   count_errors();
@@ -243,10 +251,7 @@ Client::~Client() {
 Connection Client::connection() {
   Implementation& self = *implementation_;
   const int64_t now = now_ns();
-  if (!self.only) {
-    self.message = "this process has another vdisp::Client; one per process";
-    return Connection::no_memory;
-  }
+  if (!self.only) return Connection::no_memory;
   self.service_until(now + connect_budget_ns);
   if (self.link.up() && !self.connected()) {
     self.message = "the RouDi that is running sends no heartbeat of '" + self.instance +

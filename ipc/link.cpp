@@ -135,7 +135,8 @@ bool Link::advance(int64_t now_ns) {
       if (registered(answer)) return true;
       if (phase_ == Phase::down) return false;
     }
-    if (now_ns - asked_ns_ > answer_ns)
+    unanswered_ = now_ns - asked_ns_ > answer_ns;
+    if (unanswered_)
       return fail(Connection::no_daemon, std::string("the program behind ") + roudi_socket + " does not answer: vdispd hangs or is stopped");
     return false;
   }
@@ -151,7 +152,7 @@ bool Link::advance(int64_t now_ns) {
   if (!send(request.getMessage())) return fail(Connection::no_daemon, "vdispd does not take messages: it hangs, or has just ended");
   phase_ = Phase::registering;
   asked_ns_ = now_ns;
-  message_ = "registering with vdispd";
+  if (!unanswered_) message_ = "vdispd is there and has not answered yet";
   return false;
 }
 
@@ -169,6 +170,7 @@ bool Link::registered(const std::string& text) {
   if (!management_.registered) return fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
   if (!map_images(offset)) return false;
   phase_ = Phase::up;
+  unanswered_ = false;
   asked_ns_ = 0;
   failure_ = Connection::connected;
   message_ = "connected";

@@ -26,6 +26,7 @@ class Link {
   /// One step towards a connection; true once there is one. Else failure() and message() say what is missing.
   bool advance(int64_t now_ns);
   bool up() const { return phase_ == Phase::up; }
+  bool registering() const { return phase_ == Phase::registering; }
   /// False when the daemon that was connected is gone. Two system calls.
   bool alive() const;
   /// Gives up the connection; all ports and images are gone with it.
@@ -65,6 +66,7 @@ class Link {
   int socket_ = -1, roudi_ = -1;
   int64_t stamp_ = 0, asked_ns_ = 0, retry_ns_ = 0;
   uint64_t inode_ = 0;
+  bool unanswered_ = false;  // the last question; said until there is an answer
   uint32_t owner_ = 0;
   Mapping management_, images_;
 };

@@ -21,7 +21,7 @@ static View look(const Image& map) {
     for (int row = 0; row < map.spec.height; ++row) {
       for (int column = 0; column < map.spec.width; ++column) {
         if (static_cast<uint32_t>(map.row<int16_t>(row)[column]) < grid.min_count) continue;
-        visit((column + 0.5 - grid.origin_column) * grid.cell, (grid.origin_row - row - 0.5) * grid.cell);
+        visit((column + 0.5 - double{grid.origin_column}) * grid.cell, (double{grid.origin_row} - row - 0.5) * grid.cell);
       }
     }
   };

@@ -1,0 +1,139 @@
+// read.cpp: readers as they should be and as they should not, for the system tests.
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/core/clock.h"
+#include "ipc/endpoint.h"
+#include "vdisp/client.h"
+
+using namespace vdisp;
+using std::chrono::milliseconds;
+
+namespace {
+
+/// Sees every frame, and says how many it did not see.
+int count(Client& client, const std::string& topic, double seconds) {
+  const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
+  const Client::Topic handle = client.subscribe(topic);
+  uint64_t frames = 0, missed = 0, last = 0, epoch = 0;
+  std::vector<double> ages;
+  while (monotonic_ns() < end) {
+    const Reading reading = client.wait(handle, milliseconds(200));
+    if (!reading.image || (reading.image->sequence == last && reading.image->epoch == epoch)) continue;
+    if (epoch == reading.image->epoch) missed += reading.image->sequence - last - 1;
+    epoch = reading.image->epoch;
+    last = reading.image->sequence;
+    ++frames;
+    ages.push_back(reading.age_s * 1e6);
+  }
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  const double cpu = static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+                     static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
+  std::sort(ages.begin(), ages.end());
+  const auto percentile = [&](double p) { return ages.empty() ? 0 : ages[static_cast<size_t>(p * static_cast<double>(ages.size() - 1))]; };
+  std::printf("frames %llu missed %llu reconnections %llu age_us p50 %.0f p99 %.0f cpu %.1f%%\n", static_cast<unsigned long long>(frames),
+              static_cast<unsigned long long>(missed), static_cast<unsigned long long>(client.reconnections()), percentile(0.5),
+              percentile(0.99), 100 * cpu / seconds);
+  return 0;
+}
+
+/// Takes `number` images by as many subscriptions and never gives one back.
+int hold(Client& client, const std::string& topic, int number, double seconds) {
+  for (int i = 0; i < number; ++i) {
+    const Client::Topic handle = client.subscribe(topic);
+    for (int twice = 0; twice < 2; ++twice) client.wait(handle, milliseconds(100));  // the first may be the one before's
+  }
+  std::printf("holding\n");
+  std::fflush(stdout);
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  return 0;
+}
+
+int sets(Client& client, int number) {
+  const Client::Topic topics[] = {client.subscribe("left"), client.subscribe("map"), client.subscribe("copy")};
+  Reading readings[3];
+  int complete = 0, wrong = 0;
+  uint64_t last = 0;
+  for (int i = 0; i < number; ++i) {
+    if (!client.wait_set(topics, readings, milliseconds(1000))) continue;
+    ++complete;
+    const uint64_t sequence = readings[0].image->sequence;
+    if (sequence != readings[1].image->sequence || sequence != readings[2].image->sequence || sequence <= last) ++wrong;
+    // The pixels too are of that frame: no block was written while it was read.
+    if (*readings[2].image->row<uint8_t>(479) != (sequence & 255) || *readings[0].image->row<uint8_t>(0) != (sequence & 255)) ++wrong;
+    last = sequence;
+  }
+  std::printf("sets %d wrong %d\n", complete, wrong);
+  return wrong == 0 && complete >= number - 2 ? 0 : 1;
+}
+
+/// One line on every change of state, with the time.
+int watch(Client& client, double seconds) {
+  const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
+  const char* const words[] = {"fresh", "blind", "stale", "dead"};
+  const Client::Topic handle = client.subscribe("map");
+  int last = -1;
+  while (monotonic_ns() < end) {
+    const Reading reading = client.wait(handle, milliseconds(50));
+    if (static_cast<int>(reading.trust) == last) continue;
+    last = static_cast<int>(reading.trust);
+    std::printf("%s %lld\n", words[last], static_cast<long long>(monotonic_ns()));
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+/// Serves RouDi's socket and never answers.
+int impostor(double seconds) {
+  const int fd = socket(AF_LOCAL, SOCK_DGRAM, 0);
+  const sockaddr_un address = socket_address(roudi_socket);
+  unlink(roudi_socket);
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return 1;
+  close(open(management_segment, O_RDWR | O_CREAT, 0600));
+  if (truncate(management_segment, 4096) != 0) return 1;
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  return 0;
+}
+
+int connect_once(Client& client, double seconds) {
+  const int64_t start = monotonic_ns();
+  const bool connected = client.wait_for_daemon(milliseconds(static_cast<int>(seconds * 1e3)));
+  std::printf("%s after %.3f s: %s\n", connected ? "connected" : "not connected", static_cast<double>(monotonic_ns() - start) * 1e-9,
+              client.message().c_str());
+  const int code[] = {0, 69, 77, 71};
+  return connected ? 0 : code[static_cast<int>(client.connection())];
+}
+
+/// What a reader of images must not be able to do: ends by a fault.
+int write_image(Client& client) {
+  const Reading reading = client.wait(client.subscribe("map"), milliseconds(1000));
+  if (!reading.image) return 1;
+  const_cast<Image*>(reading.image)->sequence = 0;
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  const auto number = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
+  const std::string topic = argc > 2 ? argv[2] : "map";
+  if (word == "impostor") return impostor(number(2, 1));
+  Client client;
+  if (word == "count") return count(client, topic, number(3, 5));
+  if (word == "hold") return hold(client, topic, static_cast<int>(number(3, 24)), number(4, 5));
+  if (word == "sets") return sets(client, static_cast<int>(number(2, 50)));
+  if (word == "watch") return watch(client, number(2, 5));
+  if (word == "connect") return connect_once(client, number(2, 1));
+  if (word == "write") return write_image(client);
+  return 64;
+}

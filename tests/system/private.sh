@@ -1,0 +1,20 @@
+# private.sh: sourced first by each system test: its own /tmp and /dev/shm, so that RouDis do not meet. BIN is the folder of the programs.
+# Ends the test with 77 (skipped) where mount namespaces are not permitted.
+if [ -z "$VDISP_PRIVATE" ]; then
+  if ! unshare -m true 2>/dev/null; then
+    echo "skipped: unshare -m is not permitted (run as root)"
+    exit 77
+  fi
+  VDISP_PRIVATE=1 exec unshare -m bash "$0" "$@"
+fi
+BIN=$1
+mount --make-rprivate / && mount -t tmpfs -o mode=1777 none /dev/shm && mount -t tmpfs -o mode=1777 none /tmp || exit 77
+WORK=/tmp/work && mkdir $WORK && cp "$BIN"/vdisp-* $WORK && chmod -R a+rx $WORK && BIN=$WORK  # also for users who cannot see the build
+trap 'kill -9 $(jobs -p) 2>/dev/null; wait 2>/dev/null' EXIT
+fail() { echo "FAILED: $*"; exit 1; }
+# The number behind WORD in FILE, the last one.
+value() { sed -n "s/.*\b$2 \([0-9.]*\).*/\1/p" "$1" | tail -1; }
+wait_for() { # FILE PATTERN: at most 5 s
+  for _ in $(seq 100); do grep -q "$2" "$1" 2>/dev/null && return 0; sleep 0.05; done
+  fail "no '$2' in $1: $(cat "$1")"
+}
