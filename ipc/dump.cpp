@@ -3,6 +3,7 @@
 #include "ipc/dump.h"
 
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -18,6 +19,14 @@ namespace fs = std::filesystem;
 constexpr uint8_t map_occupied = 0, map_unknown = 205;  // map_server's own values
 
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+
+// A float says 0.1 where it means 0.1, not 0.10000000149.
+ordered_json number(float value) {
+  char text[32];
+  double shortest = static_cast<double>(value);
+  std::from_chars(text, std::to_chars(text, text + sizeof text, value).ptr, shortest);
+  return number(shortest);
+}
 
 const char* key(Rejected why) {
   switch (why) {

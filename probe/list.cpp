@@ -46,9 +46,11 @@ void print_tree(const std::vector<CatalogueEntry>& entries) {
   for (const TreeLine& line : lines) {
     const CatalogueEntry& entry = entries[line.entry];
     const std::string text = label(line);
-    std::printf("%s%*s  %-20s %7s %9llu %9.2f  %s\n", text.c_str(), static_cast<int>(width - letters(text)), "",
-                spec_words(entry.spec).c_str(), entry.watched ? "yes" : "-", static_cast<unsigned long long>(entry.runs),
-                static_cast<double>(entry.mean_ns) / 1e6, line.also.c_str());
+    char mean[16] = "-";
+    if (entry.runs) std::snprintf(mean, sizeof mean, "%.2f", static_cast<double>(entry.mean_ns) / 1e6);
+    std::printf("%s%*s  %-20s %7s %9llu %9s  %s\n", text.c_str(), static_cast<int>(width - letters(text)), "",
+                spec_words(entry.spec).c_str(), entry.watched ? "yes" : "-", static_cast<unsigned long long>(entry.runs), mean,
+                line.also.c_str());
   }
 }
 

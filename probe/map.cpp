@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -33,18 +34,23 @@ void take(Shown& shown, const Reading& reading) {
   if (reading.image->valid() && reading.image->spec.pixel == Pixel::count16) shown.map.keep(*reading.image);
 }
 
+double rounded(double value) { return std::round(value * 1e6) / 1e6; }
+
 std::string json_line(const Shown& shown) {
   const Image* map = shown.reading.fresh() ? shown.map.get() : nullptr;
-  ordered_json json{{"state", name(shown.reading.trust)}, {"reason", name(shown.reading.reason)}, {"age_s", shown.reading.age_s},
+  ordered_json json{{"state", name(shown.reading.trust)}, {"reason", name(shown.reading.reason)}, {"age_s", rounded(shown.reading.age_s)},
                     {"sequence", shown.sequence},         {"synthetic", shown.synthetic},         {"nearest", nullptr}};
   if (map) {
     if (const auto place = nearest_obstacle(*map))
-      json["nearest"] = {{"x", place->x}, {"z", place->z}, {"distance", place->distance()}, {"bearing_deg", place->bearing_deg()}};
+      json["nearest"] = {{"x", rounded(place->x)},
+                         {"z", rounded(place->z)},
+                         {"distance", rounded(place->distance())},
+                         {"bearing_deg", rounded(place->bearing_deg())}};
     const GridGeometry& grid = map->grid;
     json.update({{"timestamp_ns", map->timestamp_ns},
                  {"columns", map->spec.width},
                  {"rows", map->spec.height},
-                 {"cell", grid.cell},
+                 {"cell", rounded(static_cast<double>(grid.cell))},
                  {"origin_row", grid.origin_row},
                  {"origin_column", grid.origin_column},
                  {"min_count", grid.min_count}});

@@ -42,6 +42,12 @@ Colour mean(const Picture& picture, int x0, int x1, int y0, int y1) {
 Picture::Picture(int width, int height, Colour colour)
     : width_(std::max(width, 0)), height_(std::max(height, 0)), pixels_(static_cast<size_t>(width_) * height_, colour) {}
 
+void Picture::fill(Box box, Colour colour) {
+  const int x0 = std::max(box.x, 0), x1 = std::min(box.x + box.width, width_);
+  const int y0 = std::max(box.y, 0), y1 = std::min(box.y + box.height, height_);
+  for (int y = y0; y < y1 && x0 < x1; ++y) std::fill(row(y) + x0, row(y) + x1, colour);
+}
+
 void Picture::blend(Box box, Colour colour, int weight) {
   const int x0 = std::max(box.x, 0), x1 = std::min(box.x + box.width, width_);
   const int y0 = std::max(box.y, 0), y1 = std::min(box.y + box.height, height_);

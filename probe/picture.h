@@ -28,7 +28,7 @@ class Picture {
   Colour* row(int y) { return pixels_.data() + static_cast<size_t>(y) * width_; }
   const Colour* row(int y) const { return pixels_.data() + static_cast<size_t>(y) * width_; }
 
-  void fill(Box box, Colour colour) { blend(box, colour, 256); }
+  void fill(Box box, Colour colour);
   /// `weight` of 256 parts of the colour over what is there.
   void blend(Box box, Colour colour, int weight);
   void frame(Box box, Colour colour);

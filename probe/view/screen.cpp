@@ -43,9 +43,15 @@ void draw_bar(Picture& page, const ScreenState& state) {
   int x = margin + chip_width + 14;
   char right[96] = "";
   if (state.image) {
-    const bool synthetic = state.image->flags & flag_synthetic;
-    std::snprintf(right, sizeof right, "%sframe %llu  %4.0f Hz  %5.0f ms old", synthetic ? "synthetic  " : "",
-                  static_cast<unsigned long long>(state.image->sequence), state.rate, std::min(1000 * state.age_s, 99999.0));
+    const char* synthetic = state.image->flags & flag_synthetic ? "synthetic  " : "";
+    const auto frame = static_cast<unsigned long long>(state.image->sequence);
+    const bool present = state.trust != Trust::dead && !state.frozen;
+    if (present) {
+      const double age_ms = std::min(1000 * state.age_s, 99999.0);
+      std::snprintf(right, sizeof right, "%sframe %llu  %4.0f Hz  %5.0f ms old", synthetic, frame, state.rate, age_ms);
+    } else {
+      std::snprintf(right, sizeof right, "%sframe %llu", synthetic, frame);
+    }
   }
   const int right_x = page.width() - Picture::text_width(right) - margin;
   if (const CatalogueEntry* entry = shown_entry(state)) {

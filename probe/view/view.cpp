@@ -147,7 +147,10 @@ class Viewer {
     state_.trust = reading.trust;
     state_.reason = reading.reason;
     state_.age_s = reading.age_s;
-    if (reading.trust == Trust::dead) state_.trouble = client_.message();
+    if (reading.trust == Trust::dead) {
+      const bool there = client_.connection() == Connection::connected;
+      state_.trouble = there ? "the daemon gives no sign of life" : client_.message();
+    }
     if (!reading.image || reading.image->ready_ns == seen_ready_ns_) return;
     seen_ready_ns_ = reading.image->ready_ns;
     changed_ = true;

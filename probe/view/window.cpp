@@ -5,6 +5,7 @@
 #include <SDL2/SDL.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "probe/words.h"
 
@@ -39,6 +40,9 @@ std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
 }  // namespace
 
 Window::Window(const std::string& title, int width, int height) : implementation_(std::make_unique<Implementation>()) {
+  // Without a display SDL would open a window that nobody sees.
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY") && !std::getenv("SDL_VIDEODRIVER"))
+    throw ProbeError(69, "no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set); without one use vdisp-probe map");
   SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
     throw ProbeError(69, std::string("no display for a window (SDL: ") + SDL_GetError() + "); without one use vdisp-probe map");
@@ -90,13 +94,17 @@ std::optional<Input> Window::wait(int limit_ms) {
 }
 
 void Window::show(const Picture& picture) {
-  if (picture.width() == 0 || picture.height() == 0) return;
   SDL_Surface* target = SDL_GetWindowSurface(implementation_->window);
-  auto* pixels = const_cast<Colour*>(picture.row(0));  // SDL's surface is not const; it is only read
-  SDL_Surface* source =
-      SDL_CreateRGBSurfaceWithFormatFrom(pixels, picture.width(), picture.height(), 24, picture.width() * 3, SDL_PIXELFORMAT_RGB24);
-  if (target && source && SDL_BlitSurface(source, nullptr, target, nullptr) == 0) SDL_UpdateWindowSurface(implementation_->window);
-  SDL_FreeSurface(source);
+  if (!target || target->format->BytesPerPixel != 4 || SDL_LockSurface(target) != 0) return;
+  const int red = target->format->Rshift, green = target->format->Gshift, blue = target->format->Bshift;
+  for (int y = 0; y < std::min(picture.height(), target->h); ++y) {
+    const Colour* from = picture.row(y);
+    auto* to = reinterpret_cast<uint32_t*>(static_cast<char*>(target->pixels) + static_cast<size_t>(y) * target->pitch);
+    const int width = std::min(picture.width(), target->w);
+    for (int x = 0; x < width; ++x) to[x] = uint32_t{from[x].r} << red | uint32_t{from[x].g} << green | uint32_t{from[x].b} << blue;
+  }
+  SDL_UnlockSurface(target);
+  SDL_UpdateWindowSurface(implementation_->window);
 }
 
 void Window::set_title(const std::string& title) { SDL_SetWindowTitle(implementation_->window, title.c_str()); }
