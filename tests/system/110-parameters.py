@@ -3,6 +3,7 @@
 
 SPDX-License-Identifier: Apache-2.0
 """
+import os
 import re
 import subprocess
 import time
@@ -77,17 +78,18 @@ class Parameters(ProgramTest):
 
     def test_main_period(self):
         times = []
-        for period in (0, 200):
+        for period in (0, 2000):
             begin = time.monotonic()
-            self.dump(f"main.period={period}", frames=6)
+            self.dump(f"main.period={period}", frames=4)
             times.append(time.monotonic() - begin)
-        self.assertGreater(times[1], times[0] + 0.5)  # 5 pauses of up to 200 ms
+        self.assertGreater(times[1], 6)  # three pauses
+        self.assertGreater(times[1], times[0])
 
     def test_main_debug(self):
-        def words(level):
-            return len(run("vdispd", "--sim", "--frames", "3", "--set", "main.middleware=none", "--set", f"main.debug={level}", "--set",
-                           "sim.scene=wall", "--set", "image source.thresh=40", "--set", "Floor.minRansac=100000").stderr)
-        self.assertLess(words(0), words(1))
+        def words(level, *sets):
+            return len(run("vdispd", "--sim", "--frames", "3", "--set", "main.middleware=none", "--set", f"main.debug={level}", *sets).stderr)
+        lost = ("--set", "Floor.minRansac=100000")
+        self.assertLess(words(0, *lost), words(1, *lost))
         self.assertLess(words(1), words(2))
         self.assertLess(words(2), words(3))
 
@@ -97,11 +99,14 @@ class Parameters(ProgramTest):
             self.assertEqual(run("vdisp-probe", "list").returncode, 69)
 
     def test_main_threads(self):
-        def threads(count):
-            with Running("vdispd", "--sim", "--set", "main.middleware=none", "--set", f"main.threads={count}") as daemon:
-                time.sleep(1.5)
-                return len(subprocess.run(["ls", f"/proc/{daemon.process.pid}/task"], capture_output=True, text=True).stdout.split())
-        self.assertLess(threads(1), threads(4))
+        sets = [word for item in [*self.pairs(640, 480), "image source.source=files", "image source.loop=yes", "main.middleware=none"]
+                for word in ("--set", item)]
+        def grows_to(count, threads):
+            with Running("vdispd", *sets, "--set", f"main.threads={count}") as daemon:
+                return wait_until(lambda: len(os.listdir(f"/proc/{daemon.process.pid}/task")) >= threads, 3)
+        if os.cpu_count() > 1:  # OpenCV starts no more threads than there are cores
+            self.assertFalse(grows_to(1, 3))  # the loop and the log
+            self.assertTrue(grows_to(4, 3))
         one, four = (self.dump(f"main.threads={count}") for count in (1, 4))
         numpy.testing.assert_array_equal(one.picture("disparity"), four.picture("disparity"))
 
@@ -116,8 +121,8 @@ class Parameters(ProgramTest):
         return self.dump(*sets, frames=frames, base=["main.middleware=none", "main.debug=0", "image source.ndisp=32",
                                                      "image source.source=files"])
 
-    def pairs(self):
-        folder = self.write_pairs(3, 320, 240)
+    def pairs(self, width=320, height=240):
+        folder = self.write_pairs(3, width, height)
         return [f"image source.left={folder}/left/%06d.png", f"image source.right={folder}/right/%06d.png"]
 
     def test_image_source_source(self):
@@ -153,8 +158,8 @@ class Parameters(ProgramTest):
                                            matrix.format("-20."))
         self.assertNotIn("camera", self.files(*pairs).json["stages"]["left"])
         self.assertFalse(self.files(*pairs).valid("map"))
-        self.assertEqual(self.files(*pairs, f"image source.paramfile={self.folder}/c.yml").json["stages"]["left"]["camera"]["baseline"],
-                         numpy.float32(0.1))
+        calibrated = self.files(*pairs, f"image source.paramfile={self.folder}/c.yml")
+        self.assertAlmostEqual(calibrated.json["stages"]["left"]["camera"]["baseline"], 0.1, 6)
 
     def test_image_source_width_and_height(self):
         self.files(*self.pairs(), "image source.width=320", "image source.height=240")
