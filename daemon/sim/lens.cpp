@@ -11,14 +11,7 @@ namespace {
 
 std::array<double, 9> rotation(double x, double y, double z) {
   const double cx = std::cos(x), sx = std::sin(x), cy = std::cos(y), sy = std::sin(y), cz = std::cos(z), sz = std::sin(z);
-  return {cz * cy,
-          cz * sy * sx - sz * cx,
-          cz * sy * cx + sz * sx,
-          sz * cy,
-          sz * sy * sx + cz * cx,
-          sz * sy * cx - cz * sx,
-          -sy,
-          cy * sx,
+  return {cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx, sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx, -sy, cy * sx,
           cy * cx};
 }
 
@@ -68,8 +61,7 @@ Rays make_rays(int width, int height, Look look) {
       if (i == 1) least_step = std::abs(x - rays.x.back());
       rays.x.push_back(static_cast<float>(x));
       rays.y.push_back(static_cast<float>(y));
-      b = {std::min(b.x0, rays.x.back()), std::max(b.x1, rays.x.back()), std::min(b.y0, rays.y.back()),
-           std::max(b.y1, rays.y.back())};
+      b = {std::min(b.x0, rays.x.back()), std::max(b.x1, rays.x.back()), std::min(b.y0, rays.y.back()), std::max(b.y1, rays.y.back())};
     }
     const float margin = static_cast<float>(least_step) / 2;
     b = {b.x0 - margin, b.x1 + margin, b.y0 - margin, b.y1 + margin};
@@ -118,8 +110,7 @@ void undistort(const RawCamera& camera, double u, double v, double& x, double& y
     // Newton; the Jacobian is symmetric.
     const double r2 = x * x + y * y, radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4])),
                  slope = 2 * (d[0] + r2 * (2 * d[1] + 3 * r2 * d[4]));
-    const double xx = radial + slope * x * x + 2 * d[2] * y + 6 * d[3] * x,
-                 yy = radial + slope * y * y + 6 * d[2] * y + 2 * d[3] * x;
+    const double xx = radial + slope * x * x + 2 * d[2] * y + 6 * d[3] * x, yy = radial + slope * y * y + 6 * d[2] * y + 2 * d[3] * x;
     const double xy = slope * x * y + 2 * d[2] * x + 2 * d[3] * y, scale = 1 / (xx * yy - xy * xy);
     x += (dx * yy - dy * xy) * scale;
     y += (dy * xx - dx * xy) * scale;

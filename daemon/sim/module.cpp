@@ -4,8 +4,7 @@
 
 #include "daemon/sim/renderer.h"
 
-extern "C" __attribute__((visibility("default"))) vdisp::sim::Simulator* vdisp_make_simulator(
-    const vdisp::sim_section& parameters) {
+extern "C" __attribute__((visibility("default"))) vdisp::sim::Simulator* vdisp_make_simulator(const vdisp::sim_section& parameters) {
   try {
     return vdisp::sim::make_simulator(parameters).release();
   } catch (const std::exception&) {

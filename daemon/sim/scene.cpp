@@ -108,11 +108,9 @@ void Scene::describe(const CameraPose& pose, TruthView& view, std::span<uint8_t>
     if (centre.z + reach > 0 && centre.z - reach < listed_range) seen[count++] = {centre.z - reach, i, centre};
   }
   if (count > TruthScene::capacity) {
-    std::sort(seen.begin(), seen.begin() + static_cast<long>(count),
-              [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+    std::sort(seen.begin(), seen.begin() + static_cast<long>(count), [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
     count = TruthScene::capacity;
-    std::sort(seen.begin(), seen.begin() + static_cast<long>(count),
-              [](const Seen& a, const Seen& b) { return a.index < b.index; });
+    std::sort(seen.begin(), seen.begin() + static_cast<long>(count), [](const Seen& a, const Seen& b) { return a.index < b.index; });
   }
   scene.count = static_cast<uint32_t>(count);
   for (size_t i = 0; i < count; ++i) {

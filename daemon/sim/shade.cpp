@@ -11,8 +11,7 @@
 namespace vdisp::sim {
 namespace {
 
-constexpr float ground_brightness = 112, haze_brightness = 205, haze_distance = 70, fine_texels_per_m = 320,
-                coarse_texels_per_m = 83;
+constexpr float ground_brightness = 112, haze_brightness = 205, haze_distance = 70, fine_texels_per_m = 320, coarse_texels_per_m = 83;
 
 using Index = int32_t __attribute__((vector_size(32)));
 using Words = uint32_t __attribute__((vector_size(32)));
@@ -29,9 +28,7 @@ ALWAYS Index weigh(Words word, Index x, Index y) {
   return upper * (y & 0xffff) + lower * (y >> 16);
 }
 /// True where one lane is negative, as the lanes of a comparison that holds are.
-ALWAYS bool any(Index lanes) {
-  return (lanes[0] | lanes[1] | lanes[2] | lanes[3] | lanes[4] | lanes[5] | lanes[6] | lanes[7]) < 0;
-}
+ALWAYS bool any(Index lanes) { return (lanes[0] | lanes[1] | lanes[2] | lanes[3] | lanes[4] | lanes[5] | lanes[6] | lanes[7]) < 0; }
 #include "daemon/sim/shade_loops.h"
 }  // namespace plain
 

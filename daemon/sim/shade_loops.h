@@ -57,8 +57,7 @@ ALWAYS Place place_in(I surface, F u, F v, I level) {
 }
 /// The same place in the level of half the resolution.
 ALWAYS Place halved(const Place& at) {
-  return {(at.u - 64) >> 1, (at.v - 64) >> 1, at.level + 1, at.last >> 1,
-          at.start + ((at.last + 1) << (Textures::log_size - at.level))};
+  return {(at.u - 64) >> 1, (at.v - 64) >> 1, at.level + 1, at.last >> 1, at.start + ((at.last + 1) << (Textures::log_size - at.level))};
 }
 ALWAYS F look_up(const uint32_t* texels, const Place& at) {
   const I index = at.start + (((at.v >> 7 & at.last) << (Textures::log_size - at.level)) | (at.u >> 7 & at.last));
@@ -97,8 +96,8 @@ ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
   const float most = static_cast<float>(GroundLight::side) - 1.01f;
   const I lu = cut(within((x - light.x0) * light.cells_per_m, 0, most) * 128.0f);
   const I lv = cut(within((z - light.z0) * light.cells_per_m, 0, most) * 128.0f);
-  const F lit = blend(gather(light.packed.data(), (lv >> 7) * GroundLight::side + (lu >> 7)), lu & 127, lv & 127) *
-                (1 / (255.0f * 127 * 127));
+  const F lit =
+      blend(gather(light.packed.data(), (lv >> 7) * GroundLight::side + (lu >> 7)), lu & 127, lv & 127) * (1 / (255.0f * 127 * 127));
   const F shade = 1.0f - (look.contrast < 1 ? look.contrast : 1) * (1.0f - lit);
   return ground_brightness * shade * (1.0f + look.contrast * (0.75f * fine + 0.55f * coarse));
 }
@@ -106,8 +105,7 @@ ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
 ALWAYS F sky_gray(const Look& look, F dx, F dy, F dz) {
   const F up = greater(-dy, all(0.02f)), across = 1.0f / up;
   const I surface = I{} + static_cast<int32_t>(Surface::stone) * Textures::words;
-  const F cloud =
-      sample_roughly(look.texels, surface, dx * across * 60.0f, dz * across * 60.0f, rough_log2(across * across) + 3.0f);
+  const F cloud = sample_roughly(look.texels, surface, dx * across * 60.0f, dz * across * 60.0f, rough_log2(across * across) + 3.0f);
   return haze_brightness + 22.0f * lesser(up, all(0.8f)) +
          26.0f * (look.contrast < 1 ? look.contrast : 1) * cloud * lesser(up * 4.0f, all(1.0f));
 }

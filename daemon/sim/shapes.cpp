@@ -54,8 +54,7 @@ Mesh rock(const SceneObject& o, double ground, uint32_t seed) {
   constexpr unsigned around = 28, rings = 14;
   Chance chance(seed);
   std::array<std::array<double, 4>, 9> bumps;
-  for (auto& bump : bumps)
-    bump = {chance.between(-4, 4), chance.between(-4, 4), chance.between(-4, 4), chance.between(0, 2 * M_PI)};
+  for (auto& bump : bumps) bump = {chance.between(-4, 4), chance.between(-4, 4), chance.between(-4, 4), chance.between(0, 2 * M_PI)};
   std::vector<Point> points;
   Point least{1e9, 1e9, 1e9}, most{-1e9, -1e9, -1e9};
   for (unsigned ring = 0; ring <= rings; ++ring) {

@@ -24,8 +24,7 @@ struct TruthView {
   int width = 0, height = 0;
   std::span<const float> depth;      ///< m along the view; 0: sky
   std::span<const float> elevation;  ///< m above the ground at its place
-  std::span<const uint8_t>
-      object;  ///< number in `scene` from 1; ground, sky, or unlisted: an object beyond its range or capacity
+  std::span<const uint8_t> object;   ///< number in `scene` from 1; ground, sky, or unlisted: an object beyond its range or capacity
   TruthScene scene{};
   std::array<GroundPlane, 2> planes{};  ///< below the start, and the slope
   int plane_count = 1;                  ///< 1 where the ground is flat

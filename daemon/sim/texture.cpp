@@ -18,8 +18,7 @@ void add_noise(Field& field, int cell_x, int cell_y, float amplitude, uint32_t s
   const int columns = size / cell_x, rows = size / cell_y;
   std::vector<float> lattice(static_cast<size_t>(columns) * rows);
   for (size_t i = 0; i < lattice.size(); ++i)
-    lattice[i] =
-        amplitude * (static_cast<float>(scramble(static_cast<uint32_t>(i) * 0x9e3779b9u + scramble(seed)) >> 8) * 0x1p-23f - 1);
+    lattice[i] = amplitude * (static_cast<float>(scramble(static_cast<uint32_t>(i) * 0x9e3779b9u + scramble(seed)) >> 8) * 0x1p-23f - 1);
   const auto ease = [](float t) { return t * t * (3 - 2 * t); };
   std::vector<float> line(static_cast<size_t>(columns) + 1);
   for (int y = 0; y < size; ++y) {
@@ -54,8 +53,7 @@ void level(Field& field, float deviation) {
     sum += value;
     squares += static_cast<double>(value) * value;
   }
-  const double n = static_cast<double>(field.size()), mean = sum / n,
-               spread = std::sqrt(std::max(1e-12, squares / n - mean * mean));
+  const double n = static_cast<double>(field.size()), mean = sum / n, spread = std::sqrt(std::max(1e-12, squares / n - mean * mean));
   for (float& value : field) value = static_cast<float>((value - mean) / spread) * deviation;
 }
 
@@ -123,8 +121,7 @@ Textures make_textures(uint32_t seed) {
     Field field = surface(static_cast<Surface>(which), scramble(seed) + static_cast<uint32_t>(which) * 7919u);
     for (int side = size; side >= 1; side /= 2) {
       std::vector<uint8_t> values(static_cast<size_t>(side) * side);
-      for (size_t i = 0; i < values.size(); ++i)
-        values[i] = static_cast<uint8_t>(std::clamp(127.5f * (1 + field[i]) + 0.5f, 0.0f, 255.0f));
+      for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<uint8_t>(std::clamp(127.5f * (1 + field[i]) + 0.5f, 0.0f, 255.0f));
       const std::vector<uint32_t> words = pack(values, side, true);
       textures.texels.insert(textures.texels.end(), words.begin(), words.end());
       const int half = side / 2;

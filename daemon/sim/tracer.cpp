@@ -74,10 +74,8 @@ std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
     const auto index = static_cast<unsigned>(&o - scene.objects().data());
     const Mesh mesh = shape(o, ground, scramble(seed * 977 + index));
     RTCGeometry geometry = rtcNewGeometry(shapes->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* vertices =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size() / 3);
-    void* triangles =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size() / 3);
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size() / 3);
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size() / 3);
     if (!vertices || !triangles) return nullptr;
     std::copy(mesh.vertices.begin(), mesh.vertices.end(), static_cast<float*>(vertices));
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), static_cast<unsigned*>(triangles));
@@ -106,8 +104,7 @@ void Tracer::trace(Probe& probe, const Look& look, Batch& batch) const noexcept 
   RTCRayHitNp rays{};
   rays.ray = {probe.org_x, probe.org_y, probe.org_z, probe.tnear, batch.dx, batch.dy,
               batch.dz,    probe.time,  batch.t,     probe.mask,  probe.id, probe.flags};
-  rays.hit = {batch.nx,        batch.ny, batch.nz, probe.u, probe.v, probe.prim, reinterpret_cast<unsigned*>(batch.object),
-              {probe.instance}};
+  rays.hit = {batch.nx, batch.ny, batch.nz, probe.u, probe.v, probe.prim, reinterpret_cast<unsigned*>(batch.object), {probe.instance}};
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;

@@ -37,8 +37,7 @@ SceneObject random_object(Chance& chance) {
     }
     default: {
       const double width = chance.between(0.35, 0.9);
-      return make(ObjectKind::rock, 0, 0, width, width * chance.between(0.7, 1), chance.between(0.3, 0.6), yaw,
-                  chance.between(120, 165));
+      return make(ObjectKind::rock, 0, 0, width, width * chance.between(0.7, 1), chance.between(0.3, 0.6), yaw, chance.between(120, 165));
     }
   }
 }
@@ -47,8 +46,7 @@ SceneObject random_object(Chance& chance) {
 SceneObject small_object(Chance& chance) {
   const double height = chance.between(0.05, 0.15), yaw = chance.between(-0.8, 0.8);
   if (chance.below(2) == 0)
-    return make(ObjectKind::box, 0, 0, chance.between(0.12, 0.4), chance.between(0.1, 0.3), height, yaw,
-                chance.between(110, 170));
+    return make(ObjectKind::box, 0, 0, chance.between(0.12, 0.4), chance.between(0.1, 0.3), height, yaw, chance.between(110, 170));
   const double width = chance.between(1.4, 2.2) * height;
   return make(ObjectKind::rock, 0, 0, width, width, height, yaw, chance.between(120, 165));
 }
@@ -80,8 +78,7 @@ void Scene::lay_path() {
   std::vector<double> length(fine + 1, 0.0);
   for (int i = 0; i <= fine; ++i) {
     const double t = 2 * M_PI * i / fine, r = radius + bay * std::cos(3 * t + phase), dr = -3 * bay * std::sin(3 * t + phase);
-    raw[i] = {r * std::cos(t), r * std::sin(t),
-              std::atan2(-(dr * std::cos(t) - r * std::sin(t)), dr * std::sin(t) + r * std::cos(t))};
+    raw[i] = {r * std::cos(t), r * std::sin(t), std::atan2(-(dr * std::cos(t) - r * std::sin(t)), dr * std::sin(t) + r * std::cos(t))};
     if (i > 0) length[i] = length[i - 1] + std::hypot(raw[i].x - raw[i - 1].x, raw[i].z - raw[i - 1].z);
   }
   const Station start = raw[0];
@@ -115,8 +112,8 @@ void Scene::build_yard(Chance& chance) {
   extent_ = half + 1.5;
   for (int side = 0; side < 4; ++side) {
     const double angle = side * M_PI / 2;
-    objects_.push_back(make(ObjectKind::wall, middle_x_ + half * std::sin(angle), middle_z_ + half * std::cos(angle),
-                            2 * half + 0.3, 0.3, 1.7, -angle, 140));
+    objects_.push_back(make(ObjectKind::wall, middle_x_ + half * std::sin(angle), middle_z_ + half * std::cos(angle), 2 * half + 0.3, 0.3,
+                            1.7, -angle, 140));
   }
   const double length = path_step_ * static_cast<double>(path_.size());
   const auto place = [&](SceneObject object, double path_gap, double reach, double gap, double turn) {
@@ -160,18 +157,16 @@ void Scene::build_flat(Chance& chance) {
     SceneObject object = random_object(chance);
     while (i == 0 && std::min(object.width, object.height) < 0.3) object = random_object(chance);
     if (i == 1 && chance.below(2))
-      object =
-          make(ObjectKind::wall, 0, 0, chance.between(0.8, 1.6), 0.2, chance.between(0.5, 1.1), chance.between(-0.5, 0.5), 140);
+      object = make(ObjectKind::wall, 0, 0, chance.between(0.8, 1.6), 0.2, chance.between(0.5, 1.1), chance.between(-0.5, 0.5), 140);
     place(object);
   }
   for (int i = 0; i < small; ++i) place(small_object(chance));
 }
 
 void Scene::build_five() {
-  objects_ = {
-      make(ObjectKind::box, -0.45, 1.9, 0.35, 0.3, 0.35, 0.3, 150), make(ObjectKind::post, 0.35, 2.4, 0.16, 0.16, 1.1, 0, 170),
-      make(ObjectKind::rock, 0.95, 2.9, 0.6, 0.5, 0.4, 0.2, 140), make(ObjectKind::box, -1.25, 3.5, 0.8, 0.5, 0.9, -0.35, 130),
-      make(ObjectKind::wall, 0.5, 4.6, 1.5, 0.25, 1.0, -0.15, 140)};
+  objects_ = {make(ObjectKind::box, -0.45, 1.9, 0.35, 0.3, 0.35, 0.3, 150), make(ObjectKind::post, 0.35, 2.4, 0.16, 0.16, 1.1, 0, 170),
+              make(ObjectKind::rock, 0.95, 2.9, 0.6, 0.5, 0.4, 0.2, 140), make(ObjectKind::box, -1.25, 3.5, 0.8, 0.5, 0.9, -0.35, 130),
+              make(ObjectKind::wall, 0.5, 4.6, 1.5, 0.25, 1.0, -0.15, 140)};
 }
 
 }  // namespace vdisp::sim
