@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/link.h"
 
+#include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
 #include <iceoryx_posh/iceoryx_posh_types.hpp>
 #include <iceoryx_posh/internal/mepoo/segment_manager.hpp>
 #include <iceoryx_posh/internal/runtime/ipc_interface_base.hpp>
@@ -31,7 +34,9 @@ constexpr int64_t retry_ns = 20'000'000;
 
 std::string word(IpcMessageType type) { return iox::runtime::IpcMessageTypeToString(type); }
 
-uint64_t number(const IpcMessage& message, uint32_t index) { return std::strtoull(message.getElementAtIndex(index).c_str(), nullptr, 10); }
+uint64_t number(const IpcMessage& message, uint32_t index) {
+  return std::strtoull(message.getElementAtIndex(index).c_str(), nullptr, 10);
+}
 
 std::string user_name(uid_t uid) {
   const passwd* entry = getpwuid(uid);
@@ -45,7 +50,8 @@ std::string not_permitted(const std::string& path) {
   const group* readers = (file.st_mode & S_IRGRP) ? getgrgid(file.st_gid) : nullptr;
   const std::string text = "user " + me + " may not read what vdispd publishes (" + path + "): ";
   if (!readers) return text + "only its own user " + user_name(file.st_uid) + " may; set [ipc] group in vdisp.cfg";
-  return text + "it has to be a member of group " + readers->gr_name + " (usermod -aG " + readers->gr_name + " " + me + ", then log in again)";
+  return text + "it has to be a member of group " + readers->gr_name + " (usermod -aG " + readers->gr_name + " " + me +
+         ", then log in again)";
 }
 
 }  // namespace
@@ -86,6 +92,8 @@ void Link::drop(const std::string& why) {
 
 bool Link::bind_socket() {
   if (socket_ >= 0) return true;
+  // A daemon of another user cannot remove what our dead left in a sticky /tmp.
+  remove_dead_sockets("vdisp-" + std::to_string(getuid()) + "-");
   socket_ = socket(AF_LOCAL, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const std::string path = "/tmp/" + name_;
   const sockaddr_un address = socket_address(path);
@@ -109,10 +117,13 @@ bool Link::open_roudi() {
     clock_gettime(CLOCK_REALTIME, &now);
     // RouDi makes the socket before the daemon can hand it to the readers.
     const bool starting = stat(roudi_socket, &file) == 0 && now.tv_sec - file.st_ctime < 2;
-    return fail(starting ? Connection::no_daemon : Connection::no_permission, starting ? "vdispd is starting" : not_permitted(roudi_socket));
+    return fail(starting ? Connection::no_daemon : Connection::no_permission,
+                starting ? "vdispd is starting" : not_permitted(roudi_socket));
   }
   const int fd = open(management_segment, O_RDWR | O_CLOEXEC);
-  if (fd < 0) return errno == EACCES ? fail(Connection::no_permission, not_permitted(management_segment)) : fail(Connection::no_daemon, none);
+  if (fd < 0)
+    return errno == EACCES ? fail(Connection::no_permission, not_permitted(management_segment))
+                           : fail(Connection::no_daemon, none);
   fstat(fd, &file);
   inode_ = file.st_ino;
   owner_ = file.st_uid;
@@ -121,8 +132,8 @@ bool Link::open_roudi() {
   if (!mapped) return fail(Connection::no_memory, std::string("cannot map iceoryx's management memory: ") + std::strerror(errno));
   // The daemon answers to our socket: it has to be allowed to.
   const std::string own = "/tmp/" + name_;
-  const bool given = geteuid() == owner_                      ? chmod(own.c_str(), 0600) == 0
-                     : geteuid() == 0                         ? chown(own.c_str(), owner_, file.st_gid) == 0
+  const bool given = geteuid() == owner_                                            ? chmod(own.c_str(), 0600) == 0
+                     : geteuid() == 0                                               ? chown(own.c_str(), owner_, file.st_gid) == 0
                      : chown(own.c_str(), static_cast<uid_t>(-1), file.st_gid) == 0 ? chmod(own.c_str(), 0660) == 0
                                                                                     : owner_ == 0;
   return given || fail(Connection::no_permission, not_permitted(management_segment));
@@ -137,7 +148,8 @@ bool Link::advance(int64_t now_ns) {
     }
     unanswered_ = now_ns - asked_ns_ > answer_ns;
     if (unanswered_)
-      return fail(Connection::no_daemon, std::string("the program behind ") + roudi_socket + " does not answer: vdispd hangs or is stopped");
+      return fail(Connection::no_daemon,
+                  std::string("the program behind ") + roudi_socket + " does not answer: vdispd hangs or is stopped");
     return false;
   }
   if (now_ns < retry_ns_) return false;
@@ -147,9 +159,10 @@ bool Link::advance(int64_t now_ns) {
   while (!receive().empty()) {
   }
   const auto version = static_cast<iox::cxx::Serialization>(iox::version::VersionInfo::getCurrentVersion());
-  const IpcMessage request = IpcMessage() << word(IpcMessageType::REG) << name_ << std::to_string(getpid()) << std::to_string(getuid())
-                                          << std::to_string(++stamp_) << version.toString();
-  if (!send(request.getMessage())) return fail(Connection::no_daemon, "vdispd does not take messages: it hangs, or has just ended");
+  const IpcMessage request = IpcMessage() << word(IpcMessageType::REG) << name_ << std::to_string(getpid())
+                                          << std::to_string(getuid()) << std::to_string(++stamp_) << version.toString();
+  if (!send(request.getMessage()))
+    return fail(Connection::no_daemon, "vdispd does not take messages: it hangs, or has just ended");
   phase_ = Phase::registering;
   asked_ns_ = now_ns;
   if (!unanswered_) message_ = "vdispd is there and has not answered yet";
@@ -167,7 +180,8 @@ bool Link::registered(const std::string& text) {
     return fail(Connection::no_daemon, "vdispd was restarted just now");
   management_.segment = segment;
   management_.registered = BaseRelativePointer::registerPtr(segment, management_.memory, management_.bytes);
-  if (!management_.registered) return fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
+  if (!management_.registered)
+    return fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
   if (!map_images(offset)) return false;
   phase_ = Phase::up;
   unanswered_ = false;
@@ -181,22 +195,27 @@ bool Link::map_images(uint64_t manager_offset) {
   auto* manager = reinterpret_cast<iox::mepoo::SegmentManager<>*>(management_.memory + manager_offset);
   // Asked as the daemon's user, which always has the segment; whether we may open it the kernel decides.
   const auto segments = manager->getSegmentMappings(iox::posix::PosixUser{owner_});
-  if (segments.empty()) return fail(Connection::no_daemon, "the RouDi that is running has no segment for images: it is not vdispd's");
+  if (segments.empty())
+    return fail(Connection::no_daemon, "the RouDi that is running has no segment for images: it is not vdispd's");
   const std::string path = std::string("/dev/shm/") + segments.front().m_sharedMemoryName.c_str();
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0)
-    return errno == EACCES ? fail(Connection::no_permission, not_permitted(path)) : fail(Connection::no_daemon, path + ": " + std::strerror(errno));
+    return errno == EACCES ? fail(Connection::no_permission, not_permitted(path))
+                           : fail(Connection::no_daemon, path + ": " + std::strerror(errno));
   struct stat file {};
   const bool mapped = fstat(fd, &file) == 0 && static_cast<uint64_t>(file.st_size) >= segments.front().m_size &&
                       map(images_, fd, segments.front().m_size, segments.front().m_segmentId, false);
   close(fd);
   if (!mapped) return fail(Connection::no_memory, "cannot map " + path + ": " + std::strerror(errno));
   images_.registered = BaseRelativePointer::registerPtr(images_.segment, images_.memory, images_.bytes);
-  return images_.registered || fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
+  return images_.registered ||
+         fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
 }
 
 bool Link::map(Mapping& mapping, int fd, uint64_t bytes, uint64_t segment, bool writable) {
-  void* memory = bytes == 0 ? MAP_FAILED : mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, fd, 0);
+  // Populated: a reader that is killed between popping a block and noting it loses the block, and page faults make that moment long.
+  const int protection = writable ? PROT_READ | PROT_WRITE : PROT_READ;
+  void* memory = bytes == 0 ? MAP_FAILED : mmap(nullptr, bytes, protection, MAP_SHARED | MAP_POPULATE, fd, 0);
   if (memory == MAP_FAILED) return false;
   mapping = {static_cast<uint8_t*>(memory), bytes, segment, false};
   return true;
@@ -213,7 +232,9 @@ bool Link::alive() const {
   return probe_socket(roudi_socket) == Probe::alive && stat(management_segment, &file) == 0 && file.st_ino == inode_;
 }
 
-bool Link::send(const std::string& message) { return ::send(roudi_, message.c_str(), message.size() + 1, MSG_DONTWAIT | MSG_NOSIGNAL) > 0; }
+bool Link::send(const std::string& message) {
+  return ::send(roudi_, message.c_str(), message.size() + 1, MSG_DONTWAIT | MSG_NOSIGNAL) > 0;
+}
 
 std::string Link::receive() {
   std::array<char, 4096> text;
@@ -232,7 +253,8 @@ void Link::ask_port(const std::string& instance, const std::string& topic, int64
   options.historyRequest = 1;
   options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, name_);
   const IpcMessage request = IpcMessage() << word(IpcMessageType::CREATE_SUBSCRIBER) << name_
-                                          << static_cast<iox::cxx::Serialization>(service).toString() << options.serialize().toString()
+                                          << static_cast<iox::cxx::Serialization>(service).toString()
+                                          << options.serialize().toString()
                                           << static_cast<iox::cxx::Serialization>(iox::runtime::PortConfigInfo()).toString();
   if (send(request.getMessage()))
     asked_ns_ = now_ns;

@@ -1,4 +1,4 @@
-// link.h: a reader's side of iceoryx: registration with RouDi, the two mappings, subscriber ports. Nothing in it waits, throws or aborts.
+// link.h: a reader's side of iceoryx: registration, mappings, subscriber ports. Nothing in it waits, throws or aborts.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace vdisp {
 
-/// Instead of iceoryx's runtime, which blocks for a minute or aborts where there is no RouDi, a stale lock or no permission. It speaks
-/// the same messages: REG, CREATE_SUBSCRIBER, TERMINATION. It takes no lock in shared memory: whatever happens to this process, the
-/// daemon never waits for it.
+/// Instead of iceoryx's runtime, which blocks for a minute or aborts where there is no RouDi, a stale lock or no permission. It
+/// speaks the same messages: REG, CREATE_SUBSCRIBER, TERMINATION. It takes no lock in shared memory: whatever happens to this
+/// process, the daemon never waits for it.
 class Link {
  public:
   using Port = iox::popo::SubscriberPortUser;
@@ -38,7 +38,8 @@ class Link {
   /// Asks for a port; one at a time. True while the answer is awaited.
   bool busy() const { return asked_ns_ != 0; }
   void ask_port(const std::string& instance, const std::string& topic, int64_t now_ns);
-  /// The port, once it has come; nothing while it is awaited or has been refused (then busy() is false). No answer drops the link.
+  /// The port, once it has come; nothing while it is awaited or has been refused (then busy() is false). No answer drops the
+  /// link.
   std::optional<Port> port(int64_t now_ns);
   /// True where these bytes lie in the images.
   bool holds(const void* memory, uint64_t bytes) const;

@@ -35,7 +35,8 @@ PoolPlan plan_pools(const TopicList& topics) {
     blocks += blocks_per_topic;
     names.push_back(topic);
   }
-  const size_t own = static_cast<size_t>(std::count_if(topics.begin(), topics.end(), [](const auto& t) { return wants_own(t.first); }));
+  const size_t own =
+      static_cast<size_t>(std::count_if(topics.begin(), topics.end(), [](const auto& t) { return wants_own(t.first); }));
   while (by_size.size() + own > iox::MAX_NUMBER_OF_MEMPOOLS) {  // the smallest wastes least in the next
     auto smallest = by_size.extract(by_size.begin());
     auto& [blocks, names] = by_size.begin()->second;
@@ -58,7 +59,8 @@ PoolPlan plan_pools(const TopicList& topics) {
 
 uint64_t PoolPlan::bytes() const {
   uint64_t sum = 0;
-  for (const Pool& pool : pools) sum += static_cast<uint64_t>(pool.count) * (chunk_payload(pool.block_bytes) + sizeof(iox::mepoo::ChunkHeader));
+  for (const Pool& pool : pools)
+    sum += static_cast<uint64_t>(pool.count) * (chunk_payload(pool.block_bytes) + sizeof(iox::mepoo::ChunkHeader));
   return sum;
 }
 
@@ -83,8 +85,8 @@ void print_pools(std::ostream& out, const TopicList& topics) {
   const PoolPlan plan = plan_pools(topics);
   for (size_t i = 0; i < plan.pools.size(); ++i) {
     const Pool& pool = plan.pools[i];
-    out << "pool " << pool.block_bytes << " bytes x " << pool.count << " = " << (static_cast<uint64_t>(pool.block_bytes) * pool.count + 1023) / 1024
-        << " KiB:";
+    out << "pool " << pool.block_bytes << " bytes x " << pool.count << " = "
+        << (static_cast<uint64_t>(pool.block_bytes) * pool.count + 1023) / 1024 << " KiB:";
     for (const auto& [topic, index] : plan.topics) {
       if (index == i) out << ' ' << topic;
     }

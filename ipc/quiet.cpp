@@ -22,7 +22,8 @@ std::atomic<int> everybody_muted{0};
 std::atomic<uint64_t> errors{0};
 
 bool iceoryx_thread() {
-  constexpr std::array<std::string_view, 6> names{"Mon+Discover", "IPC-msg-process", "KeepAlive", "ProcessIntr", "MemPoolIntr", "PortIntr"};
+  constexpr std::array<std::string_view, 6> names{"Mon+Discover", "IPC-msg-process", "KeepAlive",
+                                                  "ProcessIntr",  "MemPoolIntr",     "PortIntr"};
   char name[16] = {};
   pthread_getname_np(pthread_self(), name, sizeof name);
   for (std::string_view known : names) {
@@ -39,11 +40,17 @@ class Filter final : public std::streambuf {
  private:
   static bool dropped() { return muted > 0 || everybody_muted > 0 || iceoryx_thread(); }
   int overflow(int c) override { return dropped() || c == EOF ? 0 : behind_->sputc(static_cast<char>(c)); }
-  std::streamsize xsputn(const char* text, std::streamsize size) override { return dropped() ? size : behind_->sputn(text, size); }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    return dropped() ? size : behind_->sputn(text, size);
+  }
   int sync() override { return dropped() ? 0 : behind_->pubsync(); }
 
   std::streambuf* behind_;
 };
+
+// Never destroyed: iceoryx's threads write until the process is gone, and the guard would put the aborting handler back.
+[[gnu::used]] std::array<Filter, 3>* filters = nullptr;
+[[gnu::used]] iox::cxx::GenericRAII* handler_guard = nullptr;
 
 int exit_code_of(iox::Error error) {
   switch (error) {
@@ -66,22 +73,22 @@ void die(iox::Error error) {
                        : code == 77 ? "/tmp or /dev/shm cannot be written, or holds files of another user"
                                     : "this is a bug, here or in iceoryx";
   char line[300];
-  const int size = std::snprintf(line, sizeof line, "shared memory: iceoryx gave up with %s: %s\n", iox::ErrorHandler::toString(error), advice);
-  if (write(STDERR_FILENO, line, static_cast<size_t>(size)) < 0) { /* nobody to tell */ }
+  const int size = std::snprintf(line, sizeof line, "shared memory: iceoryx gave up with %s: %s\n",
+                                 iox::ErrorHandler::toString(error), advice);
+  if (write(STDERR_FILENO, line, static_cast<size_t>(size)) < 0) { /* nobody to tell */
+  }
   _exit(code);
 }
 
 void install(const iox::HandlerFunction& handler) {
-  // The guard would put the aborting handler back: it is never destroyed.
-  [[maybe_unused]] static auto* guard = new auto(iox::ErrorHandler::setTemporaryErrorHandler(handler));
+  if (!handler_guard) handler_guard = new iox::cxx::GenericRAII(iox::ErrorHandler::setTemporaryErrorHandler(handler));
 }
 
 }  // namespace
 
 void silence_iceoryx() {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff, iox::log::LogLevelOutput::kHideLogLevel);
-  // Never destroyed: iceoryx's threads may write until the process is gone.
-  [[maybe_unused]] static const auto* filters = new std::array<Filter*, 3>{new Filter(std::cout), new Filter(std::clog), new Filter(std::cerr)};
+  if (!filters) filters = new std::array<Filter, 3>{Filter(std::cout), Filter(std::clog), Filter(std::cerr)};
 }
 
 Muted::Muted(Who who) : who_(who) {
@@ -102,7 +109,9 @@ void exit_on_fatal_error() {
 }
 
 void count_errors() {
-  install([](const iox::Error, const std::function<void()>&, const iox::ErrorLevel) { errors.fetch_add(1, std::memory_order_relaxed); });
+  install([](const iox::Error, const std::function<void()>&, const iox::ErrorLevel) {
+    errors.fetch_add(1, std::memory_order_relaxed);
+  });
 }
 
 uint64_t counted_errors() { return errors.load(std::memory_order_relaxed); }

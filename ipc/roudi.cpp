@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
+#include <cstdlib>
 #include <vector>
 
 #include "ipc/endpoint.h"
@@ -25,7 +27,8 @@ bool gone(const std::string& name, int pid) {
 }  // namespace
 
 EmbeddedRoudi::EmbeddedRoudi(iox::roudi::RouDiMemoryInterface& memory, iox::roudi::PortManager& ports)
-    : RouDi(memory, ports, RoudiStartupParameters{iox::roudi::MonitoringMode::OFF, false, RuntimeMessagesThreadStart::DEFER_START}) {
+    : RouDi(memory, ports,
+            RoudiStartupParameters{iox::roudi::MonitoringMode::OFF, false, RuntimeMessagesThreadStart::DEFER_START}) {
   ready = true;
   startProcessRuntimeMessagesThread();
 }

@@ -8,8 +8,8 @@
 
 namespace vdisp {
 
-/// iceoryx's own monitoring removes a reader that was silent for 1.5 s. One that was only stopped (SIGSTOP, a debugger, starved by
-/// a real-time thread) comes back to memory that is no longer its own, and corrupts it. So monitoring is off, and a reader is
+/// iceoryx's own monitoring removes a reader that was silent for 1.5 s. One that was only stopped (SIGSTOP, a debugger, starved
+/// by a real-time thread) comes back to memory that is no longer its own, and corrupts it. So monitoring is off, and a reader is
 /// removed when the kernel says that nobody owns its socket any more: dead for certain, and noticed within 0.3 s.
 class EmbeddedRoudi final : public iox::roudi::RouDi {
  public:

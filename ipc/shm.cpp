@@ -59,7 +59,7 @@ void SharedMemory::Implementation::start() {
   restrict_segments(rights);
   new EmbeddedRoudi(components->rouDiMemoryManager, components->portManager);
   new iox::runtime::PoshRuntimeSingleProcess(iox::RuntimeName_t(iox::cxx::TruncateToCapacity, daemon_runtime));
-  restrict_socket(rights);
+  restrict_sockets(rights);
   auto user = iox::posix::PosixUser::getUserOfCurrentProcess();
   auto segment = components->rouDiMemoryManager.segmentManager().value()->getSegmentInformationWithWriteAccessForUser(user);
   if (!segment.m_memoryManager.has_value())
@@ -97,7 +97,8 @@ std::unique_ptr<Outlet> SharedMemory::outlet(const std::string& topic, const Ima
   const auto text = [](const std::string& s) { return iox::capro::IdString_t(iox::cxx::TruncateToCapacity, s); };
   const Muted muted;
   return std::make_unique<ShmOutlet>(iox::capro::ServiceDescription{"vdisp", text(self.options.instance), text(topic)}, spec,
-                                     self.plan.pools[found->second].block_bytes, *self.memory, static_cast<uint32_t>(found->second));
+                                     self.plan.pools[found->second].block_bytes, *self.memory,
+                                     static_cast<uint32_t>(found->second));
 }
 
 void SharedMemory::leave(int exit_code) {

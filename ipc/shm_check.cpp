@@ -2,15 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/shm_check.h"
 
+#include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <sys/xattr.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -82,8 +86,8 @@ void remove_leftover(const std::string& path) {
   struct stat file {};
   if (lstat(path.c_str(), &file) != 0) return;
   if (unlink(path.c_str()) == 0 || errno == ENOENT) return;
-  throw ShmError(77, "shared memory: " + path + " belongs to user " + user_name(file.st_uid) + " and cannot be replaced by user " +
-                         user_name(geteuid()) + "; remove it");
+  throw ShmError(77, "shared memory: " + path + " belongs to user " + user_name(file.st_uid) +
+                         " and cannot be replaced by user " + user_name(geteuid()) + "; remove it");
 }
 
 void check_writable(const char* folder) {
@@ -112,8 +116,9 @@ void check_room(uint64_t needed) {
   }
   const uint64_t room = static_cast<uint64_t>(shm.f_bavail) * shm.f_frsize;
   if (room < needed)
-    throw ShmError(71, "shared memory: /dev/shm has " + mib(room) + " free of " + mib(static_cast<uint64_t>(shm.f_blocks) * shm.f_frsize) +
-                           ", needed are " + mib(needed) + "; mount it larger (mount -o remount,size=...) or publish smaller images");
+    throw ShmError(71, "shared memory: /dev/shm has " + mib(room) + " free of " +
+                           mib(static_cast<uint64_t>(shm.f_blocks) * shm.f_frsize) + ", needed are " + mib(needed) +
+                           "; mount it larger (mount -o remount,size=...) or publish smaller images");
   const uint64_t memory = available_memory();
   if (memory < needed)
     throw ShmError(71, "shared memory: the machine has " + mib(memory) + " of memory available, needed are " + mib(needed));
@@ -125,11 +130,15 @@ Rights rights_for(const std::string& reader_group) {
   Rights rights;
   const passwd* user = getpwuid(geteuid());
   const group* own = user ? getgrgid(user->pw_gid) : nullptr;
-  if (!own) throw ShmError(77, "shared memory: user " + std::to_string(geteuid()) + " or its group is not in the user database; iceoryx needs both");
+  if (!own)
+    throw ShmError(
+        77, "shared memory: user " + std::to_string(geteuid()) + " or its group is not in the user database; iceoryx needs both");
   rights.owner_group = own->gr_name;
   if (reader_group.empty()) return rights;
   const group* readers = getgrnam(reader_group.c_str());
-  if (!readers) throw ShmError(78, "[ipc] group: there is no group '" + reader_group + "'; create it (groupadd " + reader_group + ") or leave it empty");
+  if (!readers)
+    throw ShmError(
+        78, "[ipc] group: there is no group '" + reader_group + "'; create it (groupadd " + reader_group + ") or leave it empty");
   rights.readers = readers->gr_gid;
   std::vector<gid_t> mine(static_cast<size_t>(std::max(0, getgroups(0, nullptr))));
   mine.resize(static_cast<size_t>(std::max(0, getgroups(static_cast<int>(mine.size()), mine.data()))));
@@ -151,7 +160,8 @@ void check_shared_memory(const Rights& rights, uint64_t bytes) {
   check_writable("/dev/shm");
   for (const std::string& lock : locks()) check_lock(lock);
   if (probe_socket(roudi_socket) == Probe::alive)
-    throw ShmError(69, std::string("shared memory: ") + roudi_socket + " is served by another program; one vdispd per machine, and no other iceoryx RouDi beside it");
+    throw ShmError(69, std::string("shared memory: ") + roudi_socket +
+                           " is served by another program; one vdispd per machine, and no other iceoryx RouDi beside it");
   // Nobody alive owns these now. Removed here, so that what cannot be removed gets its message, and the memory is free again.
   for (const std::string& left : files_of(rights)) remove_leftover(left);
   check_room(management_bytes + bytes);
@@ -163,7 +173,8 @@ void restrict_file(const std::string& path, const Rights& rights, mode_t with_gr
   const bool group = rights.readers != static_cast<gid_t>(-1);
   // iceoryx lets the daemon's own group write, by an access control list: it goes, plain mode bits say it all.
   removexattr(path.c_str(), "system.posix_acl_access");
-  if ((group && chown(path.c_str(), static_cast<uid_t>(-1), rights.readers) != 0) || chmod(path.c_str(), group ? with_group : 0600) != 0)
+  if ((group && chown(path.c_str(), static_cast<uid_t>(-1), rights.readers) != 0) ||
+      chmod(path.c_str(), group ? with_group : 0600) != 0)
     throw ShmError(77, "shared memory: cannot set the rights of " + path + ": " + std::strerror(errno));
 }
 
@@ -174,6 +185,9 @@ void restrict_segments(const Rights& rights) {
   restrict_file(management_segment, rights, 0660);
 }
 
-void restrict_socket(const Rights& rights) { restrict_file(roudi_socket, rights, 0660); }
+void restrict_sockets(const Rights& rights) {
+  restrict_file(roudi_socket, rights, 0660);
+  restrict_file("/tmp/" + daemon_runtime, {rights.owner_group}, 0600);
+}
 
 }  // namespace vdisp

@@ -13,7 +13,7 @@ namespace vdisp {
 inline const std::string daemon_runtime = "vdispd";
 
 struct Rights {
-  std::string owner_group;          ///< primary group of the daemon's user: iceoryx names the segment after it
+  std::string owner_group;                 ///< primary group of the daemon's user: iceoryx names the segment after it
   gid_t readers = static_cast<gid_t>(-1);  ///< -1: nobody but the user
 };
 
@@ -26,6 +26,6 @@ Rights rights_for(const std::string& reader_group);
 void check_shared_memory(const Rights& rights, uint64_t bytes);
 /// Owner writes, `readers` read the images and may register; nobody else can do anything. Throws ShmError 77.
 void restrict_segments(const Rights& rights);
-void restrict_socket(const Rights& rights);
+void restrict_sockets(const Rights& rights);
 
 }  // namespace vdisp

@@ -17,7 +17,11 @@ iox::popo::PublisherOptions options() {
 
 ShmOutlet::ShmOutlet(const iox::capro::ServiceDescription& service, const ImageSpec& spec, uint32_t block_bytes,
                      const iox::mepoo::MemoryManager& memory, uint32_t pool)
-    : publisher_(service, options()), spec_(spec), block_bytes_(block_bytes), memory_(memory), pool_(pool),
+    : publisher_(service, options()),
+      spec_(spec),
+      block_bytes_(block_bytes),
+      memory_(memory),
+      pool_(pool),
       spare_(static_cast<std::byte*>(std::aligned_alloc(64, spec.bytes()))) {
   std::memset(spare_.get(), 0, spec.bytes());  // touched now, not in the loop
 }

@@ -1,4 +1,4 @@
-// planner.cpp: the smallest planner: reads the map, says where the nearest obstacle is and which way is free, and survives the daemon.
+// planner.cpp: a small planner: reads the map, says where the nearest obstacle is and which way is free, and outlives the daemon.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,8 @@ static View look(const Image& map) {
     for (double heading : {step * 0.05, -step * 0.05}) {  // to 0.5 rad on either side
       bool free = true;
       each_obstacle([&](double x, double z) {
-        const double along = x * std::sin(heading) + z * std::cos(heading), beside = x * std::cos(heading) - z * std::sin(heading);
+        const double along = x * std::sin(heading) + z * std::cos(heading),
+                     beside = x * std::cos(heading) - z * std::sin(heading);
         if (along > 0 && along < 2 && std::abs(beside) < 0.3) free = false;
       });
       if (free && std::isnan(view.free_heading)) view.free_heading = heading;
@@ -65,7 +66,9 @@ int main(int argc, char** argv) {
     if (static_cast<int>(reading.trust) != last) {
       last = static_cast<int>(reading.trust);
       const bool lost = reading.trust == Trust::dead && client.connection() != Connection::connected;
-      const std::string why = reading.trust == Trust::blind ? std::string(describe(reading.reason)) : lost ? client.message() : "";
+      const std::string why = reading.trust == Trust::blind ? std::string(describe(reading.reason))
+                              : lost                        ? client.message()
+                                                            : "";
       std::printf("%s%s%s\n", words[last], why.empty() ? "" : ": ", why.c_str());
     }
     if (!reading.fresh()) continue;  // stop, and wait
@@ -74,8 +77,10 @@ int main(int argc, char** argv) {
     if (now - printed < 0.2 && seen != frames) continue;  // 5 lines a second are enough to read
     printed = now;
     const View view = look(*reading.image);
-    std::printf("map %llu%s: nearest obstacle %.2f m at %+.0f deg, free heading %+.0f deg\n",
-                static_cast<unsigned long long>(reading.image->sequence), reading.image->flags & flag_synthetic ? " (synthetic)" : "",
-                view.range, view.bearing * 180 / M_PI, view.free_heading * 180 / M_PI);
+    std::printf("map %llu%s: ", static_cast<unsigned long long>(reading.image->sequence),
+                reading.image->flags & flag_synthetic ? " (synthetic)" : "");
+    if (std::isfinite(view.range)) std::printf("nearest obstacle %.2f m at %+.0f deg, ", view.range, view.bearing * 180 / M_PI);
+    if (std::isnan(view.free_heading)) std::printf("no way is free\n");
+    else std::printf("free heading %+.0f deg\n", view.free_heading * 180 / M_PI);
   }
 }

@@ -1,4 +1,4 @@
-// count_allocations.h: counts what the calling thread takes from the heap; replaces operator new and malloc in the program that includes it.
+// count_allocations.h: counts what a thread takes from the heap; count_allocations.cpp replaces malloc in the program it is linked to.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// publish.cpp: a daemon without stages worth the name: the real driver over the real shared memory, fed by a counter. For system tests.
+// publish.cpp: a daemon for system tests: the real driver over the real shared memory, fed by a counter.
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 

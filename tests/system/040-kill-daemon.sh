@@ -2,6 +2,7 @@
 . "$(dirname "$0")/private.sh"
 stamped() { while IFS= read -r line; do echo "${EPOCHREALTIME/./} $line"; done; }
 $BIN/vdisp-planner > >(stamped > $WORK/planner) & PLANNER=$!
+wait_for $WORK/planner " dead"
 worst=0
 for i in $(seq 20); do
   $BIN/vdisp-publish --rate 30 > >(stamped > $WORK/daemon) & DAEMON=$!
