@@ -56,7 +56,11 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "vdisp-probe: " << error.what() << "; see vdisp-probe --help\n";
+    const bool no_word = app.get_subcommands().empty();
+    if (no_word && argc > 1)
+      std::cerr << "vdisp-probe: no word '" << argv[1] << "'; see vdisp-probe --help\n";
+    else
+      std::cerr << "vdisp-probe: " << error.what() << "; see vdisp-probe --help\n";
     return 64;
   }
   try {

@@ -179,8 +179,10 @@ Colour rejected_colour(uint8_t code) {
 Painted paint(std::string_view topic, const Image& image, const PaintStyle& style) {
   switch (image.spec.pixel) {
     case Pixel::gray8:
-      if (topic.ends_with("object"))  // numbers of the simulator's objects, not brightness
-        return {pixelwise<uint8_t>(image, [](uint8_t n) { return n ? labels[n % labels.size()] : colours::panel; })};
+      if (topic.ends_with("object"))  // numbers of the simulator's objects, 255 the sky: not brightness
+        return {pixelwise<uint8_t>(image, [](uint8_t n) {
+          return n == 255 ? Colour{14, 15, 18} : n ? labels[n % labels.size()] : colours::panel;
+        })};
       return {pixelwise<uint8_t>(image, [](uint8_t v) { return Colour{v, v, v}; })};
     case Pixel::mask8: return {pixelwise<uint8_t>(image, [](uint8_t v) { return v ? Colour{236, 92, 60} : Colour{28, 34, 40}; })};
     case Pixel::rgb8: return {pixelwise<Colour>(image, [](Colour v) { return v; })};

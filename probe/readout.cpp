@@ -112,7 +112,7 @@ std::vector<std::string> scene_text(const TruthScene& scene) {
   for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
     const TruthObject& object = scene.objects[i];
     const auto kind = static_cast<uint32_t>(object.kind);
-    lines.push_back(format("%2u %-5s x %+.2f  z %.2f  %.2f x %.2f x %.2f m", i + 1, kinds[kind < std::size(kinds) ? kind : 0],
+    lines.push_back(format("%2u %-4s  x %+.2f  z %.2f  %.2fx%.2fx%.2f m", i + 1, kinds[kind < std::size(kinds) ? kind : 0],
                            static_cast<double>(object.x), static_cast<double>(object.z), static_cast<double>(object.width),
                            static_cast<double>(object.depth), static_cast<double>(object.height)));
   }

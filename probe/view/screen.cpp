@@ -66,7 +66,7 @@ void draw_bar(Picture& page, const ScreenState& state) {
 
 // The letters of a branch as strokes: "|-" a fork, "`-" the last one, "| " passing by.
 void draw_branch(Picture& page, int x, int y, std::string_view branch) {
-  constexpr Colour ink{74, 80, 90};
+  constexpr Colour ink{98, 106, 118};
   for (size_t i = 0; i + 1 < branch.size(); i += 2, x += 2 * Picture::letter_width) {
     if (branch[i] != ' ') page.fill({x + 4, y - 2, 1, branch[i] == '`' ? 10 : 20}, ink);
     if (branch[i + 1] == '-') page.fill({x + 4, y + 8, 9, 1}, ink);

@@ -40,9 +40,13 @@ std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
 }  // namespace
 
 Window::Window(const std::string& title, int width, int height) : implementation_(std::make_unique<Implementation>()) {
-  // Without a display SDL would open a window that nobody sees.
-  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY") && !std::getenv("SDL_VIDEODRIVER"))
-    throw ProbeError(69, "no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set); without one use vdisp-probe map");
+  // Left alone, SDL would fall back to a window that nobody sees.
+  if (!std::getenv("SDL_VIDEODRIVER")) {
+    const bool x11 = std::getenv("DISPLAY"), wayland = std::getenv("WAYLAND_DISPLAY");
+    if (!x11 && !wayland)
+      throw ProbeError(69, "no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set); without one use vdisp-probe map");
+    SDL_SetHint(SDL_HINT_VIDEODRIVER, x11 && wayland ? "x11,wayland" : x11 ? "x11" : "wayland");
+  }
   SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
     throw ProbeError(69, std::string("no display for a window (SDL: ") + SDL_GetError() + "); without one use vdisp-probe map");

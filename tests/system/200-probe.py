@@ -1,0 +1,243 @@
+#!/usr/bin/python3
+"""200: vdisp-probe on the real shared memory: what it prints, writes and shows, and what it says when it cannot.
+
+SPDX-License-Identifier: Apache-2.0
+"""
+import json
+import os
+import pty
+import re
+import shutil
+import signal
+import subprocess
+import termios
+import time
+import unittest
+
+import cv2
+
+from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
+
+WORDS = (["list"], ["map", "--once"], ["stats", "--once"], ["sheet", "x.png"], ["dump", "x"])
+
+
+class Probe(ProgramTest):
+    def publisher(self, *options):
+        running = Running("vdisp-publish", *options, stdout=subprocess.DEVNULL)
+        self.addCleanup(running.__exit__)
+        self.assertTrue(wait_until(lambda: run("vdisp-probe", "list").returncode == 0), running.text())
+        return running
+
+    def test_wrong_usage_is_64(self):
+        self.assert_refused(run("vdisp-probe"), 64, "--help")
+        self.assert_refused(run("vdisp-probe", "lst"), 64, "lst")
+        self.assert_refused(run("vdisp-probe", "dump"), 64, "DIR")
+        self.assert_refused(run("vdisp-probe", "dump", "x", "--frames", "0"), 64, "--frames")
+
+    def test_without_a_daemon_every_word_is_69_and_writes_nothing(self):
+        for word in WORDS:
+            with self.subTest(word=word[0]):
+                self.assert_refused(run("vdisp-probe", *word, cwd=self.folder), 69, "vdispd")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_wait_waits_for_the_daemon(self):
+        with Running("vdisp-probe", "list", "--wait", "20", stdout=subprocess.DEVNULL) as probe:
+            time.sleep(0.5)
+            self.assertIsNone(probe.process.poll())
+            self.publisher()
+            self.assertEqual(probe.process.wait(10), 0, probe.text())
+
+    def test_list_tells_the_tree_also_as_json(self):
+        self.publisher()
+        topics = {t["topic"]: t for t in json.loads(run("vdisp-probe", "list", "--json").stdout)}
+        self.assertEqual(list(topics), ["left", "copy", "floor_model", "map"])
+        self.assertEqual((topics["map"]["pixel"], topics["map"]["width"], topics["map"]["height"]), ("count16", 51, 50))
+        self.assertEqual(topics["copy"]["parents"], ["left"])
+        lines = run("vdisp-probe", "list", env={**os.environ, "LC_ALL": "C"}).stdout.splitlines()
+        self.assertRegex(lines[2], r"^\|-copy +gray8 640x480 ")
+
+    def test_stats_counts_and_its_json_is_one_line(self):
+        self.publisher()
+        self.assertTrue(wait_until(lambda: json.loads(run("vdisp-probe", "stats", "--once", "--json").stdout)["steps"] > 30))
+        result = run("vdisp-probe", "stats", "--once", "--json")
+        self.assertEqual(len(result.stdout.splitlines()), 1)
+        stages = {s["stage"]: s for s in json.loads(result.stdout)["stages"]}
+        self.assertGreater(stages["left"]["runs"], 30)
+        self.assertEqual(stages["copy"]["runs"], 0)  # nobody looks at it
+        self.assertIn("0 blind", run("vdisp-probe", "stats", "--once").stdout)
+
+    def test_map_once_is_plain_text_with_the_obstacle(self):
+        self.publisher()
+        result = run("vdisp-probe", "map", "--once")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("\x1b", result.stdout)
+        lines = result.stdout.splitlines()
+        self.assertEqual(len(lines), 28)
+        self.assertEqual(sum(line.count("#") for line in lines[:25]), 1)
+        self.assertEqual({line.find("#") for line in lines[:25]} - {-1}, {30})  # the publisher's column
+        self.assertIn("FRESH", lines[26])
+        self.assertRegex(lines[27], r"nearest obstacle \d\.\d\d m away, \d+ deg to the right")
+
+    def test_map_json_holds_the_counts(self):
+        self.publisher()
+        told = json.loads(run("vdisp-probe", "map", "--once", "--json").stdout)
+        self.assertEqual((told["state"], told["columns"], told["rows"], told["cell"]), ("fresh", 51, 50, 0.1))
+        self.assertEqual(sum(map(sum, told["counts"])), 100)
+        self.assertAlmostEqual(told["nearest"]["x"], 0.5, 5)
+
+    def test_a_blind_map_says_why_and_shows_no_cell(self):
+        self.publisher("--blind")
+        result = run("vdisp-probe", "map", "--once")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout.strip(), "BLIND: the source delivered no frame in time")
+        self.assertIsNone(json.loads(run("vdisp-probe", "map", "--once", "--json").stdout)["nearest"])
+
+    def test_dump_writes_whole_frames_of_one_sequence_each(self):
+        self.publisher()
+        result = run("vdisp-probe", "dump", self.folder / "out", "--frames", "3", "--picture")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(p.name for p in (self.folder / "out").iterdir()), ["000000", "000001", "000002"])
+        sequences = []
+        for n in range(3):
+            frame = self.frame(self.folder / "out", n)
+            sequences.append(frame["sequence"])
+            # The publisher writes its sequence into the picture, and its obstacle into that row of the map.
+            for stage in ("left", "copy"):
+                picture = cv2.imread(str(self.folder / f"out/{n:06d}/{stage}.png"), cv2.IMREAD_UNCHANGED)
+                self.assertEqual(picture[100, 100], frame["sequence"] & 255)
+            counts = cv2.imread(str(self.folder / f"out/{n:06d}/map.png"), cv2.IMREAD_UNCHANGED)
+            self.assertEqual(counts[frame["sequence"] % 50, 30], 100)
+            view = cv2.imread(str(self.folder / f"out/{n:06d}/map_view.png"), cv2.IMREAD_UNCHANGED)
+            self.assertEqual(view.shape[2], 3)
+        self.assertEqual(sequences, sorted(set(sequences)))
+
+    def test_dump_refuses_what_it_cannot_do(self):
+        self.publisher()
+        self.assert_refused(run("vdisp-probe", "dump", self.folder / "out", "nosuch"), 64, "nosuch", "copy")
+        self.assertEqual(run("vdisp-probe", "dump", self.folder / "out", "left").returncode, 0)
+        self.assert_refused(run("vdisp-probe", "dump", self.folder / "out", "left"), 73, "000000", "exists")
+        self.assertEqual([p.name for p in (self.folder / "out/000000").iterdir() if p.suffix == ".png"], ["left.png"])
+        self.assert_refused(run("vdisp-probe", "sheet", "/dev/null/x.png"), 73, "/dev/null/x.png")
+
+    def test_dump_onto_a_full_disk_is_74_and_leaves_whole_frames_only(self):
+        self.publisher()
+        disk = self.folder / "disk"
+        disk.mkdir()
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300k", "none", disk], check=True)
+        self.addCleanup(subprocess.run, ["umount", disk])
+        result = run("vdisp-probe", "dump", disk, "--frames", "1000")
+        self.assert_refused(result, 74, "No space left")
+        frames = sorted(p.name for p in disk.iterdir())
+        self.assertTrue(frames)
+        for name in frames:
+            self.assertTrue((disk / name / "frame.json").exists(), name)
+
+    def test_sheet_is_one_picture_of_all_stages(self):
+        self.publisher()
+        result = run("vdisp-probe", "sheet", self.folder / "sheet.png")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(cv2.imread(str(self.folder / "sheet.png")).shape[1], 1500)
+
+    def test_live_map_gives_the_terminal_back_on_sigterm_and_on_q(self):
+        self.publisher()
+        for end in ("SIGTERM", "q"):
+            with self.subTest(end=end):
+                master, slave = pty.openpty()
+                before = termios.tcgetattr(slave)
+                probe = subprocess.Popen([BIN / "vdisp-probe", "map"], stdin=slave, stdout=slave, stderr=slave)
+                seen = b""
+                while b"FRESH" not in seen:
+                    seen += os.read(master, 65536)
+                self.assertNotEqual(termios.tcgetattr(slave)[3], before[3])
+                if end == "q":
+                    os.write(master, b"q")
+                else:
+                    probe.send_signal(signal.SIGTERM)
+                while not seen.endswith(b"\x1b[?1049l"):
+                    seen += os.read(master, 65536)
+                self.assertEqual(probe.wait(5), 0)
+                self.assertEqual(termios.tcgetattr(slave), before)
+                os.close(master)
+                os.close(slave)
+
+
+@unittest.skipUnless(shutil.which("Xvfb") and shutil.which("xdotool"), "needs Xvfb and xdotool")
+class View(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        read, write = os.pipe()
+        command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1100x760x24", "-nolisten", "tcp", "-noreset"]
+        server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.kill)
+        os.close(write)
+        with os.fdopen(read) as number:
+            self.display = {**os.environ, "DISPLAY": ":" + number.readline().strip()}
+
+    def do(self, *arguments):
+        return subprocess.run(["xdotool", *map(str, arguments)], env=self.display, capture_output=True, text=True).stdout.strip()
+
+    def start(self, *options):
+        view = Running("vdisp-probe", "view", "--wait", "10", *options, env=self.display, cwd=self.folder)
+        self.addCleanup(view.__exit__)
+        self.assertTrue(wait_until(lambda: self.title() != ""), view.text())
+        self.do("windowfocus", "--sync", self.do("search", "--name", "x"))
+        return view
+
+    def title(self):
+        window = self.do("search", "--name", "[0-9]x[0-9]")
+        return self.do("getwindowname", window.split()[0]) if window else ""
+
+    def press(self, key, title):
+        self.do("key", key)
+        self.assertTrue(wait_until(lambda: self.title() == title, 3), f"after {key}: {self.title()}")
+
+    def test_without_a_display_it_is_69_and_names_the_map_in_the_terminal(self):
+        with Running("vdisp-publish", stdout=subprocess.DEVNULL):
+            self.assertTrue(wait_until(lambda: run("vdisp-probe", "list").returncode == 0))
+            plain = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")}
+            self.assert_refused(run("vdisp-probe", "view", env=plain), 69, "DISPLAY", "vdisp-probe map")
+            self.assert_refused(run("vdisp-probe", "view", env={**plain, "DISPLAY": ":9999"}), 69, "vdisp-probe map")
+
+    def test_arrows_page_through_the_stages_s_saves_and_q_ends(self):
+        with Running("vdisp-publish", stdout=subprocess.DEVNULL):
+            view = self.start()
+            self.press("Down", "copy 640x480")
+            self.press("Down", "floor_model 80x1")
+            self.press("Down", "map 51x50")
+            self.press("Down", "left 640x480")
+            self.press("Up", "map 51x50")
+            for key in ("c", "t", "t", "question", "question", "space", "space"):
+                self.do("key", key)
+            time.sleep(0.5)
+            self.do("key", "s")
+            self.assertTrue(wait_until(lambda: list(self.folder.glob("*.png"))), view.text())
+            saved = [p.name for p in self.folder.iterdir()]
+            self.assertEqual(len(saved), 1)
+            self.assertRegex(saved[0], re.compile(r"^map-\d+\.png$"))
+            picture = cv2.imread(str(self.folder / saved[0]))
+            self.assertGreater(picture.shape[0], 600)
+            self.do("key", "q")
+            self.assertEqual(view.process.wait(5), 0, view.text())
+
+    def test_it_outlives_the_daemon_and_finds_the_next_one(self):
+        with Running("vdisp-publish", stdout=subprocess.DEVNULL) as daemon:
+            view = self.start("--stage", "map")
+            daemon.process.kill()
+            daemon.process.wait()
+        time.sleep(1.5)
+        self.assertIsNone(view.process.poll(), view.text())
+        self.do("key", "Up")  # keys work without a daemon
+        self.assertTrue(wait_until(lambda: self.title() == "floor_model 80x1", 3))
+        self.do("key", "Down")
+        with Running("vdisp-publish", stdout=subprocess.DEVNULL):
+            def frames_come():
+                self.do("key", "s")
+                return any(p.name.startswith("map-") for p in self.folder.iterdir())
+            self.assertTrue(wait_until(frames_come, 15), view.text())
+            view.process.terminate()
+            self.assertEqual(view.process.wait(5), 0, view.text())
+
+
+if __name__ == "__main__":
+    isolated_main()
