@@ -197,7 +197,7 @@ def differences(a, b):
 
 def determinism_section(daemon, section):
     rows = []
-    for name, frames in (("robot_indoor", 20), ("kitti_street", 10), ("rover_minnie/raw", 2)):
+    for name, frames in (("robot_indoor", 12), ("kitti_street", 6), ("rover_minnie/raw", 2)):
         try:
             base = source(daemon, name, FLOOR_SETS[name])
         except Skipped as why:

@@ -110,9 +110,9 @@ def obstacle_section(daemon, section):
 
 
 def free_section(daemon, section):
-    seeds, frames = (4, 25) if daemon.quick else (20, 50)
     rows = []
     for matcher in MATCHERS:
+        seeds, frames = (4, 25) if daemon.quick or matcher != "opencv" else (20, 50)
         sets = {**PAPER, "image source.matcher": matcher, "sim.scene": "empty"}
         runs = [(f"empty-{matcher}/{s}", {**sets, "sim.seed": s}, frames) for s in range(1, seeds + 1)]
 
@@ -132,7 +132,7 @@ def free_section(daemon, section):
                          + (f"; first: seed {wrong[0]['seed']} frame {wrong[0]['frame']}" if wrong else ""), "0")
     section.table([("matcher", ""), ("frames", "d"), ("blind frames", "d"), ("frames with a cell", "d"), ("cells", "d")], rows,
                   "Scene `empty`, noise of 2 grey levels.")
-    section.command(daemon.command_line({**PAPER, "image source.matcher": "MATCHER", "sim.scene": "empty", "sim.seed": f"1..{seeds}"}, frames))
+    section.command(daemon.command_line({**PAPER, "image source.matcher": "MATCHER", "sim.scene": "empty", "sim.seed": "1..20"}, 50))
 
 
 AUTO = {"Limit obstacle.angRot": "auto", "Map.angRot": "auto"}
@@ -155,7 +155,7 @@ def stability_cases():
 
 
 def stability_section(daemon, section):
-    seeds = 3 if daemon.quick else 10
+    seeds = 2 if daemon.quick else 5
     cases = list(stability_cases())
     runs = [(f"stability/{n}-{s}", {**PAPER, "sim.scene": "flat", **sets, "sim.seed": s}, 2)
             for n, (_, _, sets) in enumerate(cases) for s in range(1, seeds + 1)]
