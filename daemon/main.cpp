@@ -8,9 +8,11 @@
 #include <fstream>
 #include <iostream>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "daemon/core/clock.h"
 #include "daemon/dump.h"
+#include "daemon/failure.h"
 #include "daemon/log/edges.h"
 #include "daemon/log/log.h"
 #include "daemon/options.h"
@@ -116,30 +118,6 @@ class Run {
   std::optional<Dump> dump_;
 };
 
-/// The exit code of what went wrong, after one line about it.
-int explain(std::exception_ptr failure) {
-  const auto say = [](int code, const std::string& what) {
-    log::stop();
-    std::cerr << "vdispd: " << what << std::endl;
-    return code;
-  };
-  try {
-    std::rethrow_exception(failure);
-  } catch (const SourceError& error) {
-    return say(error.exit_code, error.what());
-  } catch (const ShmError& error) {
-    return say(error.exit_code, error.what());
-  } catch (const WriteError& error) {
-    return say(error.exit_code, error.what());
-  } catch (const CalibrationError& error) {
-    return say(EX_CONFIG, error.what());
-  } catch (const FormatError& error) {
-    return say(EX_CONFIG, error.what());
-  } catch (const std::exception& error) {
-    return say(EX_TEMPFAIL, std::string("internal: ") + error.what());
-  }
-}
-
 int main(int argc, char** argv) {
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
@@ -152,6 +130,7 @@ int main(int argc, char** argv) {
     run.emplace(parsed.options);
     run->loop();
   } catch (...) {
+    log::stop();
     exit_code = explain(std::current_exception());
   }
   if (run) run->leave(exit_code);

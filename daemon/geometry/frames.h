@@ -64,6 +64,12 @@ inline FloorPose floor_pose(const StereoView& view, const FloorLine& line) {
 /// The paper's equation 1 as printed, tan(FOV/2 * t) * h, gives no metre; this gives its "one meter".
 inline double nearest_floor(double height, double pitch, double half_view) { return height / std::tan(pitch + half_view); }
 
+/// Depth along the view, m, from which on things have a disparity of at most `most` px: nearer ones cannot be matched.
+inline double nearest_matched(const StereoView& view, double most) { return view.f * view.baseline / (most - view.cx_offset); }
+
+/// Distance ahead, m, of the floor at this depth along the view.
+inline double floor_ahead(double depth, double height, double pitch) { return (depth - height * std::sin(pitch)) / std::cos(pitch); }
+
 /// In the rover frame r (REP-103: x forward, y left, z up, origin on the ground) a point of frame h, for a camera mounted at
 /// (x, y), turned left by yaw, `height` over the ground.
 inline Point rover(const Point& h, double x, double y, double yaw, double height) {

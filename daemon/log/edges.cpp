@@ -46,14 +46,29 @@ void Edges::compare(const FloorModel& model, const Image& image) {
        config_.mounting.height, config_.expected_pitch(), image.sequence);
 }
 
+void Edges::say_what_is_near(const FloorModel& model, const CameraGeometry& camera) {
+  const double below = std::atan((rows_ - static_cast<double>(camera.cy)) / static_cast<double>(camera.f));
+  const double depth =
+      static_cast<double>(camera.f * camera.baseline) / (camera.min_disparity + camera.disparities - static_cast<double>(camera.cx_offset));
+  debug("the floor is in view from {:.2f} m ahead; what is nearer than {:.2f} m along the view is not seen (ndisp)",
+        model.height_m / std::tan(model.pitch_rad + below), depth);
+}
+
 void Edges::see(const Topic& topic, const Image& image) {
-  if (topic.name == "camera/left") edge(camera_, "frames", image);
+  if (topic.name == "camera/left") {
+    edge(camera_, "frames", image);
+    if (!told_near_) rows_ = image.spec.height;
+  }
   if (topic.name != "floor_model" || camera_.lost) return;
   edge(floor_, "floor", image);
   const FloorModel* model = record_of<FloorModel>(image);
   if (!model || !image.valid()) return;
-  trace("frame {}: floor height {:.3f} m, pitch {:.4f} rad, confidence {:.2f}", image.sequence, model->height_m, model->pitch_rad, model->confidence);
+  trace("frame {}: floor height {:.3f} m, pitch {:.4f} rad, confidence {:.2f}", image.sequence, model->height_m, model->pitch_rad,
+        model->confidence);
   compare(*model, image);
+  if (told_near_ || std::isnan(model->height_m)) return;
+  told_near_ = true;
+  say_what_is_near(*model, image.camera);
 }
 
 }  // namespace vdisp::log

@@ -24,9 +24,12 @@ class Edges {
   };
   void edge(Subject& subject, const char* what, const Image& image);
   void compare(const FloorModel& model, const Image& image);
+  void say_what_is_near(const FloorModel& model, const CameraGeometry& camera);
 
   const Config& config_;
   Subject camera_, floor_;
+  int rows_ = 0;  // of the images
+  bool told_near_ = false;
   bool differs_ = false;
   int frames_otherwise_ = 0;  // in a row that contradict differs_
 };

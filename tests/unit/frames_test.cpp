@@ -38,6 +38,15 @@ TEST(Frames, nearest_floor_is_the_papers_one_meter) {
   EXPECT_GT(std::abs(std::tan(22.6 * degree * 15 * degree) * 0.80 - 1.0), 0.9);
 }
 
+TEST(Frames, the_papers_camera_matches_all_the_floor_it_sees_but_no_obstacle_nearer_than_its_depth_of_1_08) {
+  const double depth = nearest_matched(paper, 48);
+  EXPECT_NEAR(depth, 1.08, 1e-9);
+  // Along the floor that is 0.90 m ahead, nearer than the lowest row looks.
+  EXPECT_NEAR(floor_ahead(depth, 0.80, 15 * degree), 0.904, 0.001);
+  const Point on_floor = horizontal(camera({0, 0.80, floor_ahead(depth, 0.80, 15 * degree)}, 15 * degree), 15 * degree);
+  EXPECT_NEAR(camera(on_floor, 15 * degree).z, depth, 1e-9);
+}
+
 TEST(Frames, floor_points_lie_on_the_floor_line) {
   const double height = 0.8, pitch = 15 * degree;
   const FloorLine line = floor_line(paper, height, pitch);
