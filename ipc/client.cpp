@@ -49,8 +49,10 @@ Connection Client::connection() {
   if (!self.only) return Connection::no_memory;
   self.service_until(now + connect_budget_ns);
   if (self.link.up() && !self.connected()) {
-    self.message = "the RouDi that is running sends no heartbeat of '" + self.instance +
-                   "': is [main] name of vdispd another, or is it no vdispd?";
+    const bool starting = now - self.connected_ns < 2'000'000'000;
+    self.message = starting ? "vdispd is starting: no heartbeat of '" + self.instance + "' yet"
+                            : "RouDi is running, but nobody sends a heartbeat of '" + self.instance +
+                                  "': is [main] name of vdispd another, or is it no vdispd?";
     return Connection::no_daemon;
   }
   self.message = self.link.message();

@@ -34,9 +34,7 @@ constexpr int64_t retry_ns = 20'000'000;
 
 std::string word(IpcMessageType type) { return iox::runtime::IpcMessageTypeToString(type); }
 
-uint64_t number(const IpcMessage& message, uint32_t index) {
-  return std::strtoull(message.getElementAtIndex(index).c_str(), nullptr, 10);
-}
+uint64_t number(const IpcMessage& message, uint32_t index) { return std::strtoull(message.getElementAtIndex(index).c_str(), nullptr, 10); }
 
 std::string user_name(uid_t uid) {
   const passwd* entry = getpwuid(uid);
@@ -121,9 +119,9 @@ bool Link::open_roudi() {
                 starting ? "vdispd is starting" : not_permitted(roudi_socket));
   }
   const int fd = open(management_segment, O_RDWR | O_CLOEXEC);
-  if (fd < 0)
-    return errno == EACCES ? fail(Connection::no_permission, not_permitted(management_segment))
-                           : fail(Connection::no_daemon, none);
+  if (fd < 0 && errno == ENOENT) return fail(Connection::no_daemon, none);
+  if (fd < 0 && errno == EACCES) return fail(Connection::no_permission, not_permitted(management_segment));
+  if (fd < 0) return fail(Connection::no_memory, std::string("cannot open ") + management_segment + ": " + std::strerror(errno));
   fstat(fd, &file);
   inode_ = file.st_ino;
   owner_ = file.st_uid;
@@ -159,10 +157,9 @@ bool Link::advance(int64_t now_ns) {
   while (!receive().empty()) {
   }
   const auto version = static_cast<iox::cxx::Serialization>(iox::version::VersionInfo::getCurrentVersion());
-  const IpcMessage request = IpcMessage() << word(IpcMessageType::REG) << name_ << std::to_string(getpid())
-                                          << std::to_string(getuid()) << std::to_string(++stamp_) << version.toString();
-  if (!send(request.getMessage()))
-    return fail(Connection::no_daemon, "vdispd does not take messages: it hangs, or has just ended");
+  const IpcMessage request = IpcMessage() << word(IpcMessageType::REG) << name_ << std::to_string(getpid()) << std::to_string(getuid())
+                                          << std::to_string(++stamp_) << version.toString();
+  if (!send(request.getMessage())) return fail(Connection::no_daemon, "vdispd does not take messages: it hangs, or has just ended");
   phase_ = Phase::registering;
   asked_ns_ = now_ns;
   if (!unanswered_) message_ = "vdispd is there and has not answered yet";
@@ -195,8 +192,7 @@ bool Link::map_images(uint64_t manager_offset) {
   auto* manager = reinterpret_cast<iox::mepoo::SegmentManager<>*>(management_.memory + manager_offset);
   // Asked as the daemon's user, which always has the segment; whether we may open it the kernel decides.
   const auto segments = manager->getSegmentMappings(iox::posix::PosixUser{owner_});
-  if (segments.empty())
-    return fail(Connection::no_daemon, "the RouDi that is running has no segment for images: it is not vdispd's");
+  if (segments.empty()) return fail(Connection::no_daemon, "the RouDi that is running has no segment for images: it is not vdispd's");
   const std::string path = std::string("/dev/shm/") + segments.front().m_sharedMemoryName.c_str();
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0)
@@ -208,8 +204,7 @@ bool Link::map_images(uint64_t manager_offset) {
   close(fd);
   if (!mapped) return fail(Connection::no_memory, "cannot map " + path + ": " + std::strerror(errno));
   images_.registered = BaseRelativePointer::registerPtr(images_.segment, images_.memory, images_.bytes);
-  return images_.registered ||
-         fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
+  return images_.registered || fail(Connection::no_memory, "this process has another vdisp client or iceoryx runtime; one per process");
 }
 
 bool Link::map(Mapping& mapping, int fd, uint64_t bytes, uint64_t segment, bool writable) {
@@ -229,12 +224,11 @@ void Link::unmap(Mapping& mapping) {
 
 bool Link::alive() const {
   struct stat file {};
-  return probe_socket(roudi_socket) == Probe::alive && stat(management_segment, &file) == 0 && file.st_ino == inode_;
+  const Probe probe = probe_socket(roudi_socket);  // failed: we are out of descriptors, which says nothing about the daemon
+  return (probe == Probe::alive || probe == Probe::failed) && stat(management_segment, &file) == 0 && file.st_ino == inode_;
 }
 
-bool Link::send(const std::string& message) {
-  return ::send(roudi_, message.c_str(), message.size() + 1, MSG_DONTWAIT | MSG_NOSIGNAL) > 0;
-}
+bool Link::send(const std::string& message) { return ::send(roudi_, message.c_str(), message.size() + 1, MSG_DONTWAIT | MSG_NOSIGNAL) > 0; }
 
 std::string Link::receive() {
   std::array<char, 4096> text;
@@ -253,8 +247,7 @@ void Link::ask_port(const std::string& instance, const std::string& topic, int64
   options.historyRequest = 1;
   options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, name_);
   const IpcMessage request = IpcMessage() << word(IpcMessageType::CREATE_SUBSCRIBER) << name_
-                                          << static_cast<iox::cxx::Serialization>(service).toString()
-                                          << options.serialize().toString()
+                                          << static_cast<iox::cxx::Serialization>(service).toString() << options.serialize().toString()
                                           << static_cast<iox::cxx::Serialization>(iox::runtime::PortConfigInfo()).toString();
   if (send(request.getMessage()))
     asked_ns_ = now_ns;

@@ -6,11 +6,13 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <exception>
 #include <iceoryx_posh/iceoryx_posh_config.hpp>
 #include <iceoryx_posh/internal/mepoo/segment_manager.hpp>
 #include <iceoryx_posh/roudi/iceoryx_roudi_components.hpp>
 #include <iceoryx_posh/runtime/posh_runtime_single_process.hpp>
 #include <iostream>
+#include <string_view>
 
 #include "ipc/endpoint.h"
 #include "ipc/pools.h"
@@ -49,6 +51,14 @@ void check_name(const std::string& what, const std::string& name) {
 }  // namespace
 
 void SharedMemory::Implementation::start() {
+  // A thread that cannot be started ends in terminate(): RouDi's constructors are noexcept.
+  const auto before = std::set_terminate([] {
+    constexpr std::string_view line =
+        "shared memory: iceoryx could not start its threads: no memory, or too many threads (ulimit -v, -u)\n";
+    if (write(STDERR_FILENO, line.data(), line.size()) < 0) { /* nobody to tell */
+    }
+    _exit(71);
+  });
   const Muted muted(Who::everybody);
   iox::RouDiConfig_t config;
   iox::mepoo::MePooConfig pools;
@@ -65,6 +75,7 @@ void SharedMemory::Implementation::start() {
   if (!segment.m_memoryManager.has_value())
     throw ShmError(75, "shared memory: iceoryx does not let user and group of this process write; run it with its primary group");
   memory = &segment.m_memoryManager.value().get();
+  std::set_terminate(before);
 }
 
 SharedMemory::SharedMemory(const ShmOptions& options, const TopicList& topics) : implementation_(new Implementation) {
@@ -97,8 +108,7 @@ std::unique_ptr<Outlet> SharedMemory::outlet(const std::string& topic, const Ima
   const auto text = [](const std::string& s) { return iox::capro::IdString_t(iox::cxx::TruncateToCapacity, s); };
   const Muted muted;
   return std::make_unique<ShmOutlet>(iox::capro::ServiceDescription{"vdisp", text(self.options.instance), text(topic)}, spec,
-                                     self.plan.pools[found->second].block_bytes, *self.memory,
-                                     static_cast<uint32_t>(found->second));
+                                     self.plan.pools[found->second].block_bytes, *self.memory, static_cast<uint32_t>(found->second));
 }
 
 void SharedMemory::leave(int exit_code) {

@@ -6,6 +6,7 @@
 #include <grp.h>
 #include <pwd.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <sys/xattr.h>
@@ -86,8 +87,8 @@ void remove_leftover(const std::string& path) {
   struct stat file {};
   if (lstat(path.c_str(), &file) != 0) return;
   if (unlink(path.c_str()) == 0 || errno == ENOENT) return;
-  throw ShmError(77, "shared memory: " + path + " belongs to user " + user_name(file.st_uid) +
-                         " and cannot be replaced by user " + user_name(geteuid()) + "; remove it");
+  throw ShmError(77, "shared memory: " + path + " belongs to user " + user_name(file.st_uid) + " and cannot be replaced by user " +
+                         user_name(geteuid()) + "; remove it");
 }
 
 void check_writable(const char* folder) {
@@ -106,6 +107,13 @@ uint64_t available_memory() {
   return UINT64_MAX;
 }
 
+/// iceoryx waits a minute for an answer for which it has no descriptor.
+void check_descriptors() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < 64)
+    throw ShmError(71, "shared memory: this process may open " + std::to_string(limit.rlim_cur) + " files, needed are 64 (ulimit -n)");
+}
+
 void check_room(uint64_t needed) {
   struct statvfs shm {};
   // Readers of a daemon that died hold its memory until they notice, which takes them a moment.
@@ -116,9 +124,8 @@ void check_room(uint64_t needed) {
   }
   const uint64_t room = static_cast<uint64_t>(shm.f_bavail) * shm.f_frsize;
   if (room < needed)
-    throw ShmError(71, "shared memory: /dev/shm has " + mib(room) + " free of " +
-                           mib(static_cast<uint64_t>(shm.f_blocks) * shm.f_frsize) + ", needed are " + mib(needed) +
-                           "; mount it larger (mount -o remount,size=...) or publish smaller images");
+    throw ShmError(71, "shared memory: /dev/shm has " + mib(room) + " free of " + mib(static_cast<uint64_t>(shm.f_blocks) * shm.f_frsize) +
+                           ", needed are " + mib(needed) + "; mount it larger (mount -o remount,size=...) or publish smaller images");
   const uint64_t memory = available_memory();
   if (memory < needed)
     throw ShmError(71, "shared memory: the machine has " + mib(memory) + " of memory available, needed are " + mib(needed));
@@ -131,14 +138,14 @@ Rights rights_for(const std::string& reader_group) {
   const passwd* user = getpwuid(geteuid());
   const group* own = user ? getgrgid(user->pw_gid) : nullptr;
   if (!own)
-    throw ShmError(
-        77, "shared memory: user " + std::to_string(geteuid()) + " or its group is not in the user database; iceoryx needs both");
+    throw ShmError(77,
+                   "shared memory: user " + std::to_string(geteuid()) + " or its group is not in the user database; iceoryx needs both");
   rights.owner_group = own->gr_name;
   if (reader_group.empty()) return rights;
   const group* readers = getgrnam(reader_group.c_str());
   if (!readers)
-    throw ShmError(
-        78, "[ipc] group: there is no group '" + reader_group + "'; create it (groupadd " + reader_group + ") or leave it empty");
+    throw ShmError(78,
+                   "[ipc] group: there is no group '" + reader_group + "'; create it (groupadd " + reader_group + ") or leave it empty");
   rights.readers = readers->gr_gid;
   std::vector<gid_t> mine(static_cast<size_t>(std::max(0, getgroups(0, nullptr))));
   mine.resize(static_cast<size_t>(std::max(0, getgroups(static_cast<int>(mine.size()), mine.data()))));
@@ -156,6 +163,7 @@ std::vector<std::string> files_of(const Rights& rights) {
 std::vector<std::string> locks() { return {"/tmp/iox-unique-roudi.lock", "/tmp/roudi.lock", "/tmp/" + daemon_runtime + ".lock"}; }
 
 void check_shared_memory(const Rights& rights, uint64_t bytes) {
+  check_descriptors();
   check_writable("/tmp");
   check_writable("/dev/shm");
   for (const std::string& lock : locks()) check_lock(lock);
@@ -173,8 +181,7 @@ void restrict_file(const std::string& path, const Rights& rights, mode_t with_gr
   const bool group = rights.readers != static_cast<gid_t>(-1);
   // iceoryx lets the daemon's own group write, by an access control list: it goes, plain mode bits say it all.
   removexattr(path.c_str(), "system.posix_acl_access");
-  if ((group && chown(path.c_str(), static_cast<uid_t>(-1), rights.readers) != 0) ||
-      chmod(path.c_str(), group ? with_group : 0600) != 0)
+  if ((group && chown(path.c_str(), static_cast<uid_t>(-1), rights.readers) != 0) || chmod(path.c_str(), group ? with_group : 0600) != 0)
     throw ShmError(77, "shared memory: cannot set the rights of " + path + ": " + std::strerror(errno));
 }
 

@@ -10,6 +10,9 @@ refused() { # CODE PATTERN OPTIONS...: at most 3 s
 refused 78 "memory = 3 MiB.*need 6.*x 307328" --memory 3
 refused 78 "no group 'no-such-group'" --group no-such-group
 refused 78 "no comma" --name a,b
+(ulimit -n 20; refused 71 "may open 20 files, needed are 64") || exit 1
+# A fatal error inside iceoryx: a line and a code, no abort. (Sanitizers need more address space than this themselves.)
+grep -q __asan_init $BIN/vdisp-publish || (ulimit -v 60000; refused 71 "iceoryx gave up") || exit 1
 $BIN/vdisp-publish > $WORK/first & FIRST=$!; wait_for $WORK/first ready
 refused 69 "vdisp-publish, pid $FIRST"
 kill -TERM $FIRST; wait $FIRST || fail "SIGTERM: $?"

@@ -2,7 +2,7 @@
 . "$(dirname "$0")/private.sh"
 ROUNDS=${2:-1}
 $BIN/vdisp-publish --rate 30 > $WORK/daemon & DAEMON=$!; wait_for $WORK/daemon ready
-$BIN/vdisp-reader count map $((ROUNDS * 6 + 2)) > $WORK/steady & STEADY=$!
+nice -n -15 $BIN/vdisp-reader count map $((ROUNDS * 6 + 2)) > $WORK/steady & STEADY=$!
 readers=()
 for i in $(seq 10); do $BIN/vdisp-planner > $WORK/reader$i & readers+=($!); done
 sleep 0.5
