@@ -95,8 +95,12 @@ ordered_json camera_json(const CameraGeometry& camera) {
 }
 
 ordered_json grid_json(const GridGeometry& grid) {
-  return {{"cell", number(grid.cell)},           {"origin_row", number(grid.origin_row)}, {"origin_column", number(grid.origin_column)},
-          {"view_left", number(grid.view_left)}, {"view_right", number(grid.view_right)}, {"min_count", grid.min_count}, 
+  return {{"cell", number(grid.cell)},
+          {"origin_row", number(grid.origin_row)},
+          {"origin_column", number(grid.origin_column)},
+          {"view_left", number(grid.view_left)},
+          {"view_right", number(grid.view_right)},
+          {"min_count", grid.min_count},
           {"pose", {number(grid.pose_x), number(grid.pose_y), number(grid.pose_yaw)}}};
 }
 

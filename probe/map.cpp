@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "ipc/dump.h"
 #include "probe/attach.h"
 #include "probe/kept.h"
 #include "probe/map_text.h"
@@ -26,12 +27,14 @@ struct Shown {
   bool synthetic = false;
 };
 
-void take(Shown& shown, const Reading& reading) {
+void take(Shown& shown, const Reading& reading, const std::string& topic) {
   shown.reading = reading;
   if (!reading.image) return;
+  if (reading.image->spec.pixel != Pixel::count16 || !is_grid(topic))
+    throw ProbeError(64, "stage '" + topic + "' is no map but " + spec_words(reading.image->spec));
   shown.sequence = reading.image->sequence;
   shown.synthetic = (reading.image->flags & flag_synthetic) != 0;
-  if (reading.image->valid() && reading.image->spec.pixel == Pixel::count16) shown.map.keep(*reading.image);
+  if (reading.image->valid()) shown.map.keep(*reading.image);
 }
 
 double rounded(double value) { return std::round(value * 1e6) / 1e6; }
@@ -89,17 +92,18 @@ std::string page(const Shown& shown, MapLook look) {
   return text;
 }
 
-int print_once(Client& client, Client::Topic topic, const Options& options) {
+int print_once(Client& client, const std::string& name, const Options& options) {
+  const Client::Topic topic = client.subscribe(name);
   Shown shown;
   for (int tries = 0; tries < 50 && !stopped(); ++tries) {
-    take(shown, client.wait(topic, Client::Time(100)));
+    take(shown, client.wait(topic, Client::Time(100)), name);
     if (!shown.reading.image || shown.reading.trust == Trust::stale) continue;
     const bool colour = isatty(STDOUT_FILENO) == 1;
     std::fputs(options.json ? json_line(shown).c_str() : page(shown, {0, 0, colour, colour && utf8_terminal(), false}).c_str(), stdout);
     return 0;
   }
   if (stopped()) return 0;
-  throw ProbeError(69, "no map came within 5 s; see vdisp-probe list and vdisp-probe stats");
+  throw ProbeError(69, "no image of stage '" + name + "' came within 5 s; see vdisp-probe list and vdisp-probe stats");
 }
 
 }  // namespace
@@ -108,8 +112,9 @@ int map(const Options& options) {
   stop_on_signals();
   Client client(options.name);
   attach(client, options);
-  const Client::Topic topic = client.subscribe(options.topics.empty() ? "map" : options.topics.front());
-  if (options.once) return print_once(client, topic, options);
+  const std::string name = options.topics.empty() ? "map" : options.topics.front();
+  if (options.once) return print_once(client, name, options);
+  const Client::Topic topic = client.subscribe(name);
   Shown shown;
   LiveScreen screen;
   const bool utf8 = utf8_terminal();
@@ -117,7 +122,7 @@ int map(const Options& options) {
   while (!stopped()) {
     const char key = screen.key(screen.live() ? 100 : 50);
     if (key == 'q' || key == 27) break;
-    take(shown, client.wait(topic, Client::Time(100)));
+    take(shown, client.wait(topic, Client::Time(100)), name);
     const auto now = std::chrono::steady_clock::now();
     if (!screen.live() && now - last < std::chrono::seconds(1)) continue;
     last = now;

@@ -24,8 +24,8 @@ constexpr milliseconds draw_period{33}, idle_period{250}, catalogue_period{1000}
 class Viewer {
  public:
   Viewer(Client& client, const Options& options) : client_(client), window_("vdisp-probe " + options.name, 960, 620) {
-    take_catalogue(client.topics(Client::Time(1500)));
     const std::string first = options.topics.empty() ? "" : options.topics.front();
+    take_catalogue(first.empty() ? client.topics(Client::Time(1500)) : topics_of(client));
     for (size_t i = 0; i < state_.entries.size(); ++i) {
       if (name_of(state_.entries[i]) == first) show(static_cast<int>(i));
     }

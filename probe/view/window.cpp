@@ -48,6 +48,7 @@ Window::Window(const std::string& title, int width, int height) : implementation
     SDL_SetHint(SDL_HINT_VIDEODRIVER, x11 && wayland ? "x11,wayland" : x11 ? "x11" : "wayland");
   }
   SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+  SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");  // else OpenGL, and without a graphics card its emulation
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
     throw ProbeError(69, std::string("no display for a window (SDL: ") + SDL_GetError() + "); without one use vdisp-probe map");
   SDL_Rect usable;

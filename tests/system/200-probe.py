@@ -85,6 +85,11 @@ class Probe(ProgramTest):
         self.assertEqual(sum(map(sum, told["counts"])), 100)
         self.assertAlmostEqual(told["nearest"]["x"], 0.5, 5)
 
+    def test_map_refuses_a_stage_that_is_none(self):
+        self.publisher()
+        self.assert_refused(run("vdisp-probe", "map", "--once", "--stage", "left"), 64, "left", "gray8")
+        self.assert_refused(run("vdisp-probe", "map", "--once", "--stage", "nosuch"), 69, "nosuch")
+
     def test_a_blind_map_says_why_and_shows_no_cell(self):
         self.publisher("--blind")
         result = run("vdisp-probe", "map", "--once")
@@ -198,6 +203,10 @@ class View(ProgramTest):
             plain = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")}
             self.assert_refused(run("vdisp-probe", "view", env=plain), 69, "DISPLAY", "vdisp-probe map")
             self.assert_refused(run("vdisp-probe", "view", env={**plain, "DISPLAY": ":9999"}), 69, "vdisp-probe map")
+
+    def test_a_stage_that_does_not_exist_is_64(self):
+        with Running("vdisp-publish", stdout=subprocess.DEVNULL):
+            self.assert_refused(run("vdisp-probe", "view", "--wait", "10", "--stage", "nosuch", env=self.display), 64, "nosuch")
 
     def test_arrows_page_through_the_stages_s_saves_and_q_ends(self):
         with Running("vdisp-publish", stdout=subprocess.DEVNULL):

@@ -1,0 +1,116 @@
+// screen_test.cpp: the window's picture holds at any size and state, and the tree at any catalogue.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/view/screen.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <set>
+
+#include "ipc/outlet.h"
+#include "ipc/records.h"
+#include "probe/tree.h"
+
+namespace vdisp {
+namespace {
+
+CatalogueEntry entry(const char* name, ImageSpec spec, std::initializer_list<int16_t> parents = {}) {
+  CatalogueEntry result{};
+  std::strncpy(result.name, name, sizeof result.name - 1);
+  result.spec = spec;
+  std::fill(std::begin(result.parents), std::end(result.parents), int16_t{-1});
+  std::copy(parents.begin(), parents.end(), result.parents);
+  return result;
+}
+
+bool same(const Picture& a, const Picture& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return false;
+  for (int y = 0; y < a.height(); ++y)
+    if (std::memcmp(a.row(y), b.row(y), sizeof(Colour) * static_cast<size_t>(a.width())) != 0) return false;
+  return true;
+}
+
+class Screen : public testing::Test {
+ protected:
+  Screen() : outlet_({Pixel::disparity16, 0, 64, 48}) {
+    Image& image = outlet_.loan();
+    image.camera = {580, 32, 24, 0.09f, 0, 0, 48, {}};
+    for (int y = 0; y < 48; ++y) std::fill_n(image.row<int16_t>(y), 64, static_cast<int16_t>(16 * y));
+    state_.entries = {entry("left", {Pixel::gray8, 0, 64, 48}), entry("disparity", image.spec, {0})};
+    state_.shown = 1;
+    state_.image = &image;
+    state_.trust = Trust::fresh;
+  }
+  BufferOutlet outlet_;
+  ScreenState state_;
+};
+
+TEST_F(Screen, holds_at_any_size_and_state) {
+  for (int width : {1, 40, 360, 700, 1500}) {
+    for (int height : {1, 60, 280, 900}) {
+      for (Trust trust : {Trust::fresh, Trust::blind, Trust::stale, Trust::dead}) {
+        for (bool image : {true, false}) {
+          ScreenState state = state_;
+          state.trust = trust;
+          state.help = image;
+          if (!image) state.image = nullptr;
+          const Picture page = draw_screen(state, width, height);
+          EXPECT_EQ(page.width(), width);
+          EXPECT_EQ(page.height(), height);
+        }
+      }
+    }
+  }
+  state_ = {};
+  EXPECT_EQ(draw_screen(state_, 800, 600).width(), 800) << "no catalogue yet";
+}
+
+TEST_F(Screen, value_under_a_resting_cursor_follows_the_image) {
+  state_.mouse_x = 200;
+  state_.mouse_y = 200;
+  const Picture before = draw_screen(state_, 700, 500);
+  Image& image = outlet_.loan();
+  for (int y = 0; y < 48; ++y) std::fill_n(image.row<int16_t>(y), 64, int16_t{100});
+  const Picture after = draw_screen(state_, 700, 500);
+  bool foot_differs = false;
+  for (int y = 500 - 26; y < 500; ++y) foot_differs |= std::memcmp(before.row(y), after.row(y), sizeof(Colour) * 700) != 0;
+  EXPECT_TRUE(foot_differs);
+}
+
+TEST_F(Screen, blind_stale_dead_and_fresh_look_different_and_frozen_says_so) {
+  std::vector<Picture> pages;
+  for (Trust trust : {Trust::fresh, Trust::blind, Trust::stale, Trust::dead}) {
+    state_.trust = trust;
+    pages.push_back(draw_screen(state_, 900, 600));
+  }
+  state_.frozen = true;
+  pages.push_back(draw_screen(state_, 900, 600));
+  for (size_t a = 0; a < pages.size(); ++a)
+    for (size_t b = 0; b < a; ++b) EXPECT_FALSE(same(pages[a], pages[b])) << a << " and " << b;
+}
+
+TEST(Tree, each_stage_stands_once_below_its_first_input_and_names_the_others) {
+  const ImageSpec spec{Pixel::gray8, 0, 4, 4};
+  const std::vector<CatalogueEntry> entries{entry("a", spec), entry("b", spec), entry("d", spec, {0, 1}), entry("m", spec, {2, 0, 1})};
+  const auto lines = tree_of(entries, true);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0].entry, 0u);
+  EXPECT_EQ(lines[1].entry, 2u);
+  EXPECT_EQ(lines[1].branch, "`-");
+  EXPECT_EQ(lines[1].also, "+ b");
+  EXPECT_EQ(lines[2].entry, 3u);
+  EXPECT_EQ(lines[2].branch, "  `-");
+  EXPECT_EQ(lines[2].also, "+ a, b");
+  EXPECT_EQ(lines[3].entry, 1u);
+}
+
+TEST(Tree, catalogue_that_makes_no_sense_still_shows_every_stage_once) {
+  const ImageSpec spec{Pixel::gray8, 0, 4, 4};
+  const std::vector<CatalogueEntry> entries{entry("self", spec, {0}), entry("later", spec, {2}), entry("loop", spec, {1, 99, -7})};
+  std::set<size_t> seen;
+  for (const TreeLine& line : tree_of(entries, false)) EXPECT_TRUE(seen.insert(line.entry).second);
+  EXPECT_EQ(seen.size(), entries.size());
+}
+
+}  // namespace
+}  // namespace vdisp
