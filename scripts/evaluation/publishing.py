@@ -38,5 +38,5 @@ def publish_section(daemon, section):
         options = shlex.join(daemon.options({"main.middleware": middleware, **SETS}, frames))
         rows.append({"": what, **profile(daemon, reader, options)})
     section.table([("", ""), ("steps", "d"), ("watched", ".2f"), ("step [ms]", ".2f"), ("not in stages [ms]", ".3f")], rows,
-                  "Scene `drive` at 30 Hz. Watched: share of the steps in which the displays ran too. Not in stages: the part of a step "
-                  "outside all stages, that is loans, publishing and the driver.")
+                  "Scene `drive` at 30 Hz. Watched: share of the steps in which the displays ran too. Not in stages: the part"
+                  " of a step outside all stages, that is loans, publishing and the driver.")

@@ -96,8 +96,9 @@ def floor_section(daemon, section):
     columns = [("set", ""), ("matcher", ""), ("angles", ""), ("ndisp", "d"), ("frames", "d"), ("found", ".2f")]
     columns += [(f"height p{p} [m]", ".3f") for p in (10, 50, 90)] + [(f"pitch p{p} [deg]", ".2f") for p in (10, 50, 90)]
     section.table(columns + [("density", ".3f"), ("confidence", ".2f")], rows,
-                  "True: rover_minnie 1.67 m, 35.3 deg; robot_indoor 0.28 m, about -1 deg; kitti_street 1.65 m, about 0 deg; office: no "
-                  "calibration. Density: share of pixels with a disparity in the lower third of what can be matched.")
+                  "True: rover_minnie 1.67 m, 35.3 deg; robot_indoor 0.28 m, about -1 deg; kitti_street 1.65 m, about 0 deg; "
+                  "office: no calibration. Density: share of pixels with a disparity in the lower third of what can be "
+                  "matched.")
 
 
 def minnie_gate(section, results, variants):
@@ -153,11 +154,12 @@ def lidar_section(daemon, section):
                     total[key] += row[key]
             rows.append({"matcher": matcher, "angles": word, "pair": "pooled", **shares(total), **total})
     columns = [("matcher", ""), ("angles", ""), ("pair", ""), ("found", ""), ("pitch off [deg]", ".2f"), ("height [m]", ".3f")]
-    columns += [("lidar height [m]", ".3f"), ("obstacle cells", "d"), ("of lidar", "d"), ("precision", ".3f"), ("by chance", ".3f")]
-    section.table(columns + [("recall", ".3f"), ("F1", ".3f"), ("same cell precision", ".3f"), ("recall ", ".3f")], rows,
-                  "Map of 20 m x 16 m, cells of 0.5 m, against the lidar's; one cell of tolerance; cells the lidar did not see are left "
-                  "out. Pitch off: floor found minus the lidar's plane. By chance: the precision of a map that is all obstacle. The last "
-                  "two: without tolerance.")
+    columns += [("lidar height [m]", ".3f"), ("obstacle cells", "d"), ("of lidar", "d"), ("precision", ".3f")]
+    section.table(columns + [("by chance", ".3f"), ("recall", ".3f"), ("F1", ".3f"), ("same cell precision", ".3f"),
+                              ("recall ", ".3f")], rows,
+                  "Map of 20 m x 16 m, cells of 0.5 m, against the lidar's; one cell of tolerance; cells the lidar did not "
+                  "see are left out. Pitch off: floor found minus the lidar's plane. By chance: the precision of a map that "
+                  "is all obstacle. The last two: without tolerance.")
     section.command(daemon.command_line(lidar_sets(folder / "PAIR", "MATCHER", angles), 1))
 
 

@@ -61,7 +61,8 @@ def floor_section(daemon, section):
         good = [p <= 0.3 and h <= 1 for p, h in zip(pitch, height)]
         outside = [{"seed": s, "frame": i, "pitch_error": l["pitch_error"], "height_error": l["height_error"]}
                    for (s, i, l), g in zip(looks, good) if not g]
-        rows.append({"matcher": matcher, "seeds": len(scenes), "frames": len(looks), "found": mean(l["found"] for _, _, l in looks),
+        rows.append({"matcher": matcher, "seeds": len(scenes), "frames": len(looks),
+                     "found": mean(l["found"] for _, _, l in looks),
                      "pitch error p50 [deg]": percentile(pitch, 50), "p90": percentile(pitch, 90), "max": max(pitch),
                      "height error p50 [%]": percentile(height, 50), "p90 ": percentile(height, 90), "max ": max(height),
                      "frames within": mean(good), "outside": outside})
@@ -70,9 +71,11 @@ def floor_section(daemon, section):
             section.gate("every frame: pitch within 0.3 deg and height within 1 % of the truth", all(good),
                          f"{sum(good)} of {len(good)} frames; pitch at most {max(pitch):.2f} deg off, height {max(height):.2f} %"
                          + (f"; missed in seeds {missed}" if missed else ""), "all")
-    columns = [("matcher", ""), ("seeds", "d"), ("frames", "d"), ("found", ".3f"), ("pitch error p50 [deg]", ".3f"), ("p90", ".3f")]
-    columns += [("max", ".3f"), ("height error p50 [%]", ".2f"), ("p90 ", ".2f"), ("max ", ".2f"), ("frames within", ".3f")]
-    section.table(columns, rows, "Floor of scene `flat`, the paper's mounting (0.8 m, 15 deg) and parameters; camera noise, distortion and "
+    columns = [("matcher", ""), ("seeds", "d"), ("frames", "d"), ("found", ".3f"), ("pitch error p50 [deg]", ".3f")]
+    columns += [("p90", ".3f"), ("max", ".3f"), ("height error p50 [%]", ".2f"), ("p90 ", ".2f"), ("max ", ".2f")]
+    columns += [("frames within", ".3f")]
+    section.table(columns, rows,
+                  "Floor of scene `flat`, the paper's mounting (0.8 m, 15 deg) and parameters; camera noise, distortion and "
                   "misalignment as they are by default.")
     flat_command(daemon, section)
 
@@ -110,8 +113,10 @@ def obstacle_section(daemon, section):
     columns = [("matcher", ""), ("frames", "d"), ("to find", "d"), ("found", ".4f"), ("front covered", ".3f")]
     columns += [("any of 100 px found", ".3f"), ("shift [m]", ".3f"), ("blind frames", "d"), ("obstacle cells", "d")]
     columns += [("false cells", "d"), ("frames with false", "d"), ("distance p50 [m]", ".3f"), ("p90", ".3f")]
-    section.table(columns, rows, "Map of the same frames. Shift: how far an object's pixels in the map lie from their true place, ahead. "
-                  "False: farther than one cell from anything higher than max_height. Distance: of obstacle cells to a true front.")
+    section.table(columns, rows,
+                  "Map of the same frames. Shift: how far an object's pixels in the map lie from their true place, ahead. "
+                  "False: farther than one cell from anything higher than max_height. Distance: of obstacle cells to a true "
+                  "front.")
     flat_command(daemon, section)
 
 
@@ -182,7 +187,8 @@ def stability_section(daemon, section):
     columns = [("changed", ""), ("value", "g"), ("floor found", ".2f"), ("pitch error [deg]", ".3f"), ("height error [%]", ".2f")]
     columns += [("map shift [m]", ".3f"), ("map distance p50 [m]", ".3f"), ("to find", "d"), ("found", ".3f")]
     section.table(columns + [("false cells a frame", ".2f")], rows,
-                  f"The paper's experiment 4.1: one thing changed at a time from 0.8 m, 15 deg; {seeds} scenes, 2 frames each; errors are "
-                  "means. Axes as in the paper: X is pitch, Y is yaw, Z is roll. Map shift: how much too far an object lies in the map.")
+                  f"The paper's experiment 4.1: one thing changed at a time from 0.8 m, 15 deg; {seeds} scenes, 2 frames each;"
+                  " errors are means. Axes as in the paper: X is pitch, Y is yaw, Z is roll. Map shift: how much too far an "
+                  "object lies in the map.")
     sets = {**PAPER, "sim.scene": "flat", **FIXED, "sim.roll": 0.06981, "sim.seed": f"1..{seeds}"}
     section.command(daemon.command_line(sets, 2))

@@ -92,7 +92,7 @@ class SceneTruth:
 
 
 def shift(item, counts, grid):
-    """How much farther ahead than in truth the object's pixels lie in the map, m: mean of the counts within 0.3 m of its front."""
+    """How much farther ahead than in truth the object's pixels lie in the map, m; counts within 0.3 m of its front."""
     near = counts * geometry.wider(item.contour, 3)
     if not near.any():
         return None
