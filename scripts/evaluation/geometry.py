@@ -65,8 +65,8 @@ def unlevel(points, pitch, roll=0.0):
 def fit_plane(points, reach, heights, tilt, seed=1, tries=2000):
     """Robust ground plane of camera-frame points (n, 3): unit normal pointing down, distance of the camera from it.
 
-    RANSAC over planes whose distance lies within `heights` and that tilt less than `tilt` rad, then least squares on what lies within
-    `reach`, as long as that keeps to the same limits."""
+    RANSAC over planes whose distance lies within `heights` and that tilt less than `tilt` rad, then least squares on what lies
+    within `reach`, as long as that keeps to the same limits."""
     random = np.random.default_rng(seed)
     sample = points[random.integers(0, len(points), min(len(points), 20000))]
     best, best_count = None, 0

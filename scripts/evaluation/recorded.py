@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 import evaluation.geometry as geometry
-from evaluation.daemon import RunFailed, Skipped
+from evaluation.daemon import Skipped
 from evaluation.simulated import AUTO, DEGREE, MATCHERS, mean, percentile
 
 # The floor line's angle is atan(H / (16 B cos pitch)); an operator who knows the mounting allows 30 % to each side.
@@ -78,8 +78,8 @@ def floor_section(daemon, section):
         variants = [(m, word, {**base, "image source.matcher": m, **angles})
                     for m in MATCHERS for word, angles in (("paper", {}), ("tuned", tuned_angles(parts)))]
         frames = 30 if daemon.quick else None
-        results = daemon.measure_all(name, [(f"floor-{name.replace('/', '-')}/{m}-{word}", sets, frames) for m, word, sets in variants],
-                                     lambda frame: (frame.floor, density(frame)))
+        runs = [(f"floor-{name.replace('/', '-')}/{m}-{word}", sets, frames) for m, word, sets in variants]
+        results = daemon.measure_all(name, runs, lambda frame: (frame.floor, density(frame)))
         for (matcher, word, sets), looks in zip(variants, results):
             found = [f for f, _ in looks if f["state"] == "found"]
             heights = [f["height_m"] for f in found]
@@ -96,8 +96,9 @@ def floor_section(daemon, section):
     columns = [("set", ""), ("matcher", ""), ("angles", ""), ("ndisp", "d"), ("frames", "d"), ("found", ".2f")]
     columns += [(f"height p{p} [m]", ".3f") for p in (10, 50, 90)] + [(f"pitch p{p} [deg]", ".2f") for p in (10, 50, 90)]
     section.table(columns + [("density", ".3f"), ("confidence", ".2f")], rows,
-                  "True: rover_minnie 1.67 m, 35.3 deg; robot_indoor 0.28 m, about -1 deg; kitti_street 1.65 m, about 0 deg; office: nothing known. "
-                  "Density: share of pixels with a disparity in the lower third of what can be matched.")
+                  "True: rover_minnie 1.67 m, 35.3 deg; robot_indoor 0.28 m, about -1 deg; kitti_street 1.65 m, about 0 deg; "
+                  "office: no calibration. Density: share of pixels with a disparity in the lower third of what can be "
+                  "matched.")
 
 
 def minnie_gate(section, results, variants):
@@ -125,7 +126,8 @@ def lidar_truth(depth, camera, ndisp, corrsize=11):
     seen &= (high < 1.05 * low) & (depth < 40)
     points = np.stack(geometry.camera_points(camera, depth), axis=-1)
     ground = points[seen & (np.arange(depth.shape[0])[:, None] > camera["cy"] + 20) & (depth < 25)]
-    normal, distance = geometry.fit_plane(ground, 0.08, (1.5, 1.8), 4 * DEGREE)  # the camera of all KITTI drives stands 1.65 m high
+    # The camera of all KITTI drives stands 1.65 m high.
+    normal, distance = geometry.fit_plane(ground, 0.08, (1.5, 1.8), 4 * DEGREE)
     pitch, roll = geometry.pose_of_plane(normal)
     above = distance - points @ normal
     usable = seen & geometry.matchable(ndisp, corrsize, depth.shape)
@@ -143,31 +145,42 @@ def lidar_section(daemon, section):
     rows = []
     for matcher in MATCHERS:
         for word, more in (("paper", {}), ("tuned", angles)):
-            total = {"hit": 0, "wrong": 0, "met": 0, "true": 0}
+            total = dict.fromkeys(COUNTS, 0)
             for place in sorted(p for p in folder.iterdir() if p.is_dir()):
-                sets = {"image source.source": "files", "image source.left": place / "left.png", "image source.right": place / "right.png",
-                        "image source.paramfile": place / "calibration.yml", "image source.matcher": matcher, **LIDAR, **more}
-                depth = cv2.imread(str(place / "depth_m_x256.png"), cv2.IMREAD_UNCHANGED).astype(np.float32) / 256
-                row = daemon.measure(f"lidar/{matcher}-{word}-{place.name}", sets, 1, lambda frame: lidar_row(frame, depth, place))[0]
+                row = daemon.measure(f"lidar/{matcher}-{word}-{place.name}", lidar_sets(place, matcher, more), 1,
+                                     lambda frame: lidar_row(frame, place))[0]
                 rows.append({"matcher": matcher, "angles": word, "pair": place.name, **row})
                 for key in total:
                     total[key] += row[key]
             rows.append({"matcher": matcher, "angles": word, "pair": "pooled", **shares(total), **total})
-    section.table([("matcher", ""), ("angles", ""), ("pair", ""), ("found", ""), ("pitch off [deg]", ".2f"), ("height [m]", ".3f"),
-                   ("lidar height [m]", ".3f"), ("obstacle cells", "d"), ("of lidar", "d"), ("precision", ".3f"), ("recall", ".3f"), ("F1", ".3f")], rows,
-                  "Map of 20 m x 16 m, cells of 0.5 m, against the lidar's; one cell of tolerance; cells the lidar did not see are left out. "
-                  "Pitch off: floor found minus the lidar's plane.")
-    section.command(daemon.command_line({"image source.source": "files", "image source.left": folder / "PAIR/left.png",
-                                         "image source.right": folder / "PAIR/right.png", "image source.paramfile": folder / "PAIR/calibration.yml",
-                                         "image source.matcher": "MATCHER", **LIDAR, **angles}, 1))
+    columns = [("matcher", ""), ("angles", ""), ("pair", ""), ("found", ""), ("pitch off [deg]", ".2f"), ("height [m]", ".3f")]
+    columns += [("lidar height [m]", ".3f"), ("obstacle cells", "d"), ("of lidar", "d"), ("precision", ".3f")]
+    section.table(columns + [("by chance", ".3f"), ("recall", ".3f"), ("F1", ".3f"), ("same cell precision", ".3f"),
+                              ("recall ", ".3f")], rows,
+                  "Map of 20 m x 16 m, cells of 0.5 m, against the lidar's; one cell of tolerance; cells the lidar did not "
+                  "see are left out. Pitch off: floor found minus the lidar's plane. By chance: the precision of a map that "
+                  "is all obstacle. The last two: without tolerance.")
+    section.command(daemon.command_line(lidar_sets(folder / "PAIR", "MATCHER", angles), 1))
+
+
+def lidar_sets(place, matcher, more):
+    return {"image source.source": "files", "image source.left": place / "left.png", "image source.right": place / "right.png",
+            "image source.paramfile": place / "calibration.yml", "image source.matcher": matcher, **LIDAR, **more}
+
+
+COUNTS = ("hit", "wrong", "met", "true", "exact", "seen", "near", "found seen")
 
 
 def shares(counts):
-    judged = counts["hit"] + counts["wrong"]
-    precision = counts["hit"] / judged if judged else None
-    recall = counts["met"] / counts["true"] if counts["true"] else None
+    def share(part, whole):
+        return counts[part] / counts[whole] if counts[whole] else None
+
+    judged = {**counts, "judged": counts["hit"] + counts["wrong"]}
+    precision, recall = judged["hit"] / judged["judged"] if judged["judged"] else None, share("met", "true")
     both = 2 * precision * recall / (precision + recall) if precision and recall else None
-    return {"precision": precision, "recall": recall, "F1": both, "obstacle cells": judged, "of lidar": counts["true"]}
+    return {"precision": precision, "recall": recall, "F1": both, "by chance": share("near", "seen"),
+            "obstacle cells": judged["judged"], "of lidar": counts["true"],
+            "same cell precision": share("exact", "found seen"), "recall ": share("exact", "true")}
 
 
 def calibration_of(path):
@@ -177,12 +190,14 @@ def calibration_of(path):
     return {"f": left[0][0], "cx": left[0][2], "cy": left[1][2], "baseline": -right[0][3] / right[0][0]}
 
 
-def lidar_row(frame, depth, place):
+def lidar_row(frame, place):
+    depth = cv2.imread(str(place / "depth_m_x256.png"), cv2.IMREAD_UNCHANGED).astype(np.float32) / 256
     truth, observed, pitch, height = lidar_truth(depth, calibration_of(place / "calibration.yml"), LIDAR["image source.ndisp"])
     found = frame.image("map") >= 3 if frame.valid("map") else np.zeros(truth.shape, bool)
     near_truth, near_found = geometry.wider(truth), geometry.wider(found)
-    counts = {"hit": int((found & near_truth).sum()), "wrong": int((found & observed & ~near_truth).sum()),
-              "met": int((truth & near_found).sum()), "true": int(truth.sum())}
+    masks = {"hit": found & near_truth, "wrong": found & observed & ~near_truth, "met": truth & near_found, "true": truth,
+             "exact": found & truth, "seen": observed, "near": observed & near_truth, "found seen": found & observed}
+    counts = {key: int(mask.sum()) for key, mask in masks.items()}
     floor = frame.floor
     return {**counts, **shares(counts), "found": "yes" if frame.valid("map") else frame.json["stages"]["map"]["reason"],
             "pitch off [deg]": floor["pitch_rad"] / DEGREE - pitch if floor["pitch_rad"] is not None else None,
@@ -192,7 +207,11 @@ def lidar_row(frame, depth, place):
 def differences(a, b):
     """Files that differ between two dumps, timing.json apart."""
     names = sorted({p.relative_to(f) for f in (a, b) for p in f.rglob("*") if p.is_file() and p.name != "timing.json"})
-    return names, [str(n) for n in names if not ((a / n).is_file() and (b / n).is_file() and filecmp.cmp(a / n, b / n, shallow=False))]
+
+    def same(name):
+        return (a / name).is_file() and (b / name).is_file() and filecmp.cmp(a / name, b / name, shallow=False)
+
+    return names, [str(name) for name in names if not same(name)]
 
 
 def determinism_section(daemon, section):

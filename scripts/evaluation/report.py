@@ -32,7 +32,8 @@ class Section:
         for caption, columns, rows in self.tables:
             lines += ([caption, ""] if caption else []) + table_text(columns, rows) + [""]
         for gate in self.gates:
-            lines.append(f"* {'passed' if gate['passed'] else 'MISSED'}: {gate['gate']}: {gate['found']} (needed: {gate['needed']})")
+            word = "passed" if gate["passed"] else "MISSED"
+            lines.append(f"* {word}: {gate['gate']}: {gate['found']} (needed: {gate['needed']})")
         lines += [f"* {note}" for note in self.notes]
         lines += [f"* `{command}`" for command in self.commands]
         return "\n".join(lines + [""])

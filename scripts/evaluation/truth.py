@@ -19,6 +19,7 @@ class TruthObject:
         self.distance = np.inf  # m ahead, of its nearest seen point higher than max_height
         self.front = None       # cells of what is seen within one cell's length of the nearest point
         self.contour = None     # cells of the nearest point of each image column
+        self.middle = None      # m ahead, mean of those pixels
         self.must_be_found = False
 
 
@@ -61,6 +62,7 @@ class SceneTruth:
         item.share = np.count_nonzero(mine & self.matchable) / max(self.outline_area(entry), 1.0)
         x, z = self.x[usable], self.z[usable]
         item.distance = float(z.min())
+        item.middle = float(z.mean())
         near = z <= item.distance + self.grid.cell
         item.front = self.grid.mask(x[near], z[near])
         columns = np.nonzero(usable.any(axis=0))[0]
@@ -80,7 +82,7 @@ class SceneTruth:
         zc = np.maximum(zc, 0.05)
         f = self.camera["f"]
         hull = cv2.convexHull(np.stack([f * xc / zc, f * yc / zc], axis=1).astype(np.float32))
-        return cv2.contourArea(hull) * (0.6 if entry["kind"] == "rock" else 1.0)
+        return cv2.contourArea(hull) * (np.pi / 4 if entry["kind"] == "rock" else 1.0)
 
     def footprint(self, entry):
         """Cells that the object stands on."""
@@ -89,12 +91,19 @@ class SceneTruth:
         return self.grid.mask(entry["x"] + along * cos - across * sin, entry["z"] + along * sin + across * cos)
 
 
+def shift(item, counts, grid):
+    """How much farther ahead than in truth the object's pixels lie in the map, m; counts within 0.3 m of its front."""
+    near = counts * geometry.wider(item.contour, 3)
+    if not near.any():
+        return None
+    ahead = (grid.rows - 0.5 - np.arange(grid.rows)) * grid.cell
+    return float((near.sum(axis=1) * ahead).sum() / near.sum() - item.middle)
+
+
 def compare_map(frame, truth, min_count=3):
-    """The daemon's map against a SceneTruth. None where the map is blind."""
-    if not frame.valid("map"):
-        found = np.zeros((truth.grid.rows, truth.grid.columns), bool)
-    else:
-        found = frame.image("map") >= min_count
+    """The daemon's map against a SceneTruth. A blind map finds nothing."""
+    counts = frame.image("map") if frame.valid("map") else np.zeros((truth.grid.rows, truth.grid.columns), np.uint16)
+    found = counts >= min_count
     reached = geometry.wider(found)
     objects = []
     contours = np.zeros_like(found)
@@ -105,10 +114,11 @@ def compare_map(frame, truth, min_count=3):
         objects.append({
             "number": item.entry["number"], "kind": item.entry["kind"], "must": item.must_be_found,
             "height": item.entry["height"], "width": item.entry["width"], "distance": item.distance, "pixels": item.pixels,
-            "share": item.share, "hit": bool((item.front & reached).any()),
+            "share": item.share, "hit": bool((item.front & reached).any()), "shift": shift(item, counts * found, truth.grid),
             "covered": float((item.contour & reached).sum() / max(item.contour.sum(), 1)),
         })
     false = found & ~geometry.wider(truth.occupied)
     distance = geometry.distance_to(contours, truth.grid.cell)[found]
     return {"objects": objects, "blind": not frame.valid("map"), "found": int(found.sum()), "false": int(false.sum()),
-            "false_cells": [(int(r), int(c)) for r, c in np.argwhere(false)], "distances": distance[np.isfinite(distance)].tolist()}
+            "false_cells": [(int(r), int(c)) for r, c in np.argwhere(false)],
+            "distances": distance[np.isfinite(distance)].tolist()}
