@@ -135,8 +135,7 @@ void Client::Implementation::take(Slot& slot) {
 const Image* Client::Implementation::accept(Chunk chunk, const Slot& slot) const {
   const auto* image = static_cast<const Image*>(chunk->userPayload());
   const uint64_t size = chunk->userPayloadSize();
-  if (reinterpret_cast<uintptr_t>(image) % alignof(Image) != 0 || size < sizeof(Image) || !link.holds(image, size))
-    return nullptr;
+  if (reinterpret_cast<uintptr_t>(image) % alignof(Image) != 0 || size < sizeof(Image) || !link.holds(image, size)) return nullptr;
   if (image->magic != Image::magic_value || image->version != Image::version_value) return nullptr;
   if (sizeof(Image) + static_cast<uint64_t>(image->spec.stride()) * image->spec.height > size) return nullptr;
   if (static_cast<uint32_t>(image->reason) >= static_cast<uint32_t>(Reason::count)) return nullptr;

@@ -38,8 +38,7 @@ void remove_dead_sockets(const std::string& prefix) {
   if (!folder) return;
   while (const dirent* entry = readdir(folder)) {
     const std::string path = std::string("/tmp/") + entry->d_name;
-    if (entry->d_type == DT_SOCK && path.rfind("/tmp/" + prefix, 0) == 0 && probe_socket(path) == Probe::nobody)
-      unlink(path.c_str());
+    if (entry->d_type == DT_SOCK && path.rfind("/tmp/" + prefix, 0) == 0 && probe_socket(path) == Probe::nobody) unlink(path.c_str());
   }
   closedir(folder);
 }

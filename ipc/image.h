@@ -92,12 +92,12 @@ struct CameraGeometry {
 /// A grid on the ground. Row 0 is farthest; a point (x right, z ahead) lies in row origin_row - 1 - floor(z / cell) and
 /// column floor(x / cell + origin_column).
 struct GridGeometry {
-  float cell;                        ///< m
-  float origin_row, origin_column;   ///< cells, where the camera stands
-  float view_left, view_right;       ///< x / z of the left and right border of the view
-  uint32_t min_count;                ///< a cell with this count or more is an obstacle
-  uint32_t frame;                    ///< 0: the camera's horizontal frame h
-  float pose_x, pose_y, pose_yaw;    ///< of the camera in the rover frame r (m, m, rad)
+  float cell;                       ///< m
+  float origin_row, origin_column;  ///< cells, where the camera stands
+  float view_left, view_right;      ///< x / z of the left and right border of the view
+  uint32_t min_count;               ///< a cell with this count or more is an obstacle
+  uint32_t frame;                   ///< 0: the camera's horizontal frame h
+  float pose_x, pose_y, pose_yaw;   ///< of the camera in the rover frame r (m, m, rad)
 };
 
 /// Never copied, no pointers inside; rows follow the header in the same block.
@@ -109,12 +109,12 @@ struct alignas(64) Image {
   ImageSpec spec;
   ImageState state;
   Reason reason;
-  uint32_t flags;           ///< ImageFlag
+  uint32_t flags;  ///< ImageFlag
   uint32_t unused;
-  uint64_t sequence;        ///< step of the daemon it was made in, from 0
-  uint64_t epoch;           ///< start of this daemon: sequences restart, epochs do not
-  int64_t timestamp_ns;     ///< middle of the exposure, CLOCK_MONOTONIC; recording time for files
-  int64_t ready_ns;         ///< when the stage finished, CLOCK_MONOTONIC
+  uint64_t sequence;     ///< step of the daemon it was made in, from 0
+  uint64_t epoch;        ///< start of this daemon: sequences restart, epochs do not
+  int64_t timestamp_ns;  ///< middle of the exposure, CLOCK_MONOTONIC; recording time for files
+  int64_t ready_ns;      ///< when the stage finished, CLOCK_MONOTONIC
   uint64_t config_generation;
   uint64_t calibration_hash;
   union {
@@ -132,12 +132,17 @@ struct alignas(64) Image {
   Image& operator=(const Image&) = delete;
 
   bool valid() const { return state == ImageState::valid; }
-  void set_blind(Reason why) { state = ImageState::blind; reason = why; }
+  void set_blind(Reason why) {
+    state = ImageState::blind;
+    reason = why;
+  }
 
-  template <class T> T* row(int y) {
+  template <class T>
+  T* row(int y) {
     return reinterpret_cast<T*>(reinterpret_cast<std::byte*>(this + 1) + static_cast<size_t>(y) * spec.stride());
   }
-  template <class T> const T* row(int y) const {
+  template <class T>
+  const T* row(int y) const {
     return reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(this + 1) + static_cast<size_t>(y) * spec.stride());
   }
 

@@ -35,8 +35,7 @@ PoolPlan plan_pools(const TopicList& topics) {
     blocks += blocks_per_topic;
     names.push_back(topic);
   }
-  const size_t own =
-      static_cast<size_t>(std::count_if(topics.begin(), topics.end(), [](const auto& t) { return wants_own(t.first); }));
+  const size_t own = static_cast<size_t>(std::count_if(topics.begin(), topics.end(), [](const auto& t) { return wants_own(t.first); }));
   while (by_size.size() + own > iox::MAX_NUMBER_OF_MEMPOOLS) {  // the smallest wastes least in the next
     auto smallest = by_size.extract(by_size.begin());
     auto& [blocks, names] = by_size.begin()->second;

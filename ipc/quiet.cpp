@@ -22,8 +22,7 @@ std::atomic<int> everybody_muted{0};
 std::atomic<uint64_t> errors{0};
 
 bool iceoryx_thread() {
-  constexpr std::array<std::string_view, 6> names{"Mon+Discover", "IPC-msg-process", "KeepAlive",
-                                                  "ProcessIntr",  "MemPoolIntr",     "PortIntr"};
+  constexpr std::array<std::string_view, 6> names{"Mon+Discover", "IPC-msg-process", "KeepAlive", "ProcessIntr", "MemPoolIntr", "PortIntr"};
   char name[16] = {};
   pthread_getname_np(pthread_self(), name, sizeof name);
   for (std::string_view known : names) {
@@ -40,9 +39,7 @@ class Filter final : public std::streambuf {
  private:
   static bool dropped() { return muted > 0 || everybody_muted > 0 || iceoryx_thread(); }
   int overflow(int c) override { return dropped() || c == EOF ? 0 : behind_->sputc(static_cast<char>(c)); }
-  std::streamsize xsputn(const char* text, std::streamsize size) override {
-    return dropped() ? size : behind_->sputn(text, size);
-  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override { return dropped() ? size : behind_->sputn(text, size); }
   int sync() override { return dropped() ? 0 : behind_->pubsync(); }
 
   std::streambuf* behind_;
@@ -73,8 +70,8 @@ void die(iox::Error error) {
                        : code == 77 ? "/tmp or /dev/shm cannot be written, or holds files of another user"
                                     : "this is a bug, here or in iceoryx";
   char line[300];
-  const int size = std::snprintf(line, sizeof line, "shared memory: iceoryx gave up with %s: %s\n",
-                                 iox::ErrorHandler::toString(error), advice);
+  const int size =
+      std::snprintf(line, sizeof line, "shared memory: iceoryx gave up with %s: %s\n", iox::ErrorHandler::toString(error), advice);
   if (write(STDERR_FILENO, line, static_cast<size_t>(size)) < 0) { /* nobody to tell */
   }
   _exit(code);
@@ -109,9 +106,7 @@ void exit_on_fatal_error() {
 }
 
 void count_errors() {
-  install([](const iox::Error, const std::function<void()>&, const iox::ErrorLevel) {
-    errors.fetch_add(1, std::memory_order_relaxed);
-  });
+  install([](const iox::Error, const std::function<void()>&, const iox::ErrorLevel) { errors.fetch_add(1, std::memory_order_relaxed); });
 }
 
 uint64_t counted_errors() { return errors.load(std::memory_order_relaxed); }

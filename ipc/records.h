@@ -25,14 +25,14 @@ struct FloorModel {
   RecordHeader header;
   FloorState state;
   FloorKind model;
-  double a;          ///< rows per column of the v-disparity, that is per 1/16 px; 0 when lost
-  double b;          ///< row at d' = 0
-  double pitch_rad;  ///< positive: the camera looks down; NaN without calibration or floor
-  double roll_rad;   ///< positive: right side low; NaN where the model does not measure it
-  double height_m;   ///< of the camera over the floor; NaN without calibration or floor
-  double confidence; ///< 0..1: share of the votes of all points of the v-disparity that lie on the line
-  Reason reason;     ///< why lost, or what could not be measured
-  uint32_t points;   ///< points of the v-disparity that lie on the line; how many there were, when lost
+  double a;                   ///< rows per column of the v-disparity, that is per 1/16 px; 0 when lost
+  double b;                   ///< row at d' = 0
+  double pitch_rad;           ///< positive: the camera looks down; NaN without calibration or floor
+  double roll_rad;            ///< positive: right side low; NaN where the model does not measure it
+  double height_m;            ///< of the camera over the floor; NaN without calibration or floor
+  double confidence;          ///< 0..1: share of the votes of all points of the v-disparity that lie on the line
+  Reason reason;              ///< why lost, or what could not be measured
+  uint32_t points;            ///< points of the v-disparity that lie on the line; how many there were, when lost
   uint32_t mounting_differs;  ///< 1: pitch or height lie outside the tolerances of [mounting]
   uint32_t unused;
 };
@@ -77,11 +77,11 @@ enum class ObjectKind : uint32_t { box = 1, post, wall, rock };
 /// One obstacle of the simulator, in the camera's true horizontal frame h at the moment of exposure.
 struct TruthObject {
   ObjectKind kind;
-  uint32_t textured;      ///< 1: enough texture to be matched
-  float x, z;             ///< m, centre of the footprint
-  float width, depth;     ///< m, along its own axes
-  float height;           ///< m above the ground at its place
-  float yaw;              ///< rad about the vertical
+  uint32_t textured;   ///< 1: enough texture to be matched
+  float x, z;          ///< m, centre of the footprint
+  float width, depth;  ///< m, along its own axes
+  float height;        ///< m above the ground at its place
+  float yaw;           ///< rad about the vertical
 };
 
 /// The simulator's truth for one frame, topic `truth/scene`. Objects are numbered from 1 as in `truth/object`.
@@ -100,12 +100,14 @@ struct TruthScene {
 static_assert(sizeof(FloorModel) == 80 && sizeof(CatalogueEntry) == 120 && sizeof(Heartbeat) == 32);
 
 /// The spec of an image that carries record R.
-template <class R> constexpr ImageSpec record_spec() {
+template <class R>
+constexpr ImageSpec record_spec() {
   return {Pixel::record, static_cast<uint16_t>(R::type), static_cast<uint16_t>(sizeof(R)), 1};
 }
 
 /// The record in an image made with record_spec<R>(); clears it and fills its header.
-template <class R> R& make_record(Image& image) {
+template <class R>
+R& make_record(Image& image) {
   R* record = image.row<R>(0);
   *record = R{};
   record->header = {R::type, R::version, static_cast<uint32_t>(sizeof(R))};
@@ -113,7 +115,8 @@ template <class R> R& make_record(Image& image) {
 }
 
 /// The record in an image, or null where the image holds something else.
-template <class R> const R* record_of(const Image& image) {
+template <class R>
+const R* record_of(const Image& image) {
   if (image.spec != record_spec<R>()) return nullptr;
   const R* record = image.row<R>(0);
   return record->header.type == R::type && record->header.version == R::version ? record : nullptr;

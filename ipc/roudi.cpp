@@ -27,8 +27,7 @@ bool gone(const std::string& name, int pid) {
 }  // namespace
 
 EmbeddedRoudi::EmbeddedRoudi(iox::roudi::RouDiMemoryInterface& memory, iox::roudi::PortManager& ports)
-    : RouDi(memory, ports,
-            RoudiStartupParameters{iox::roudi::MonitoringMode::OFF, false, RuntimeMessagesThreadStart::DEFER_START}) {
+    : RouDi(memory, ports, RoudiStartupParameters{iox::roudi::MonitoringMode::OFF, false, RuntimeMessagesThreadStart::DEFER_START}) {
   ready = true;
   startProcessRuntimeMessagesThread();
 }

@@ -17,9 +17,9 @@ namespace vdisp {
 using TopicList = std::vector<std::pair<std::string, ImageSpec>>;
 
 struct ShmOptions {
-  std::string instance;        ///< [main] name
-  std::string group;           ///< reader group by name; empty: only the daemon's own user reads
-  uint32_t memory_mib = 0;     ///< cap on the segment
+  std::string instance;     ///< [main] name
+  std::string group;        ///< reader group by name; empty: only the daemon's own user reads
+  uint32_t memory_mib = 0;  ///< cap on the segment
 };
 
 /// Blocks of one size.

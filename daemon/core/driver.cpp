@@ -41,7 +41,7 @@ std::string Driver::label(const Stage& stage) const {
 }
 
 std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_ptr<ImageProcessor> processor, std::vector<Handle> inputs,
-                                Need need) {
+                                    Need need) {
   Stage stage;
   stage.need = need;
   std::vector<ImageSpec> in;

@@ -48,7 +48,7 @@ class Driver {
   /// Adds a stage that makes the topics `names` of `inputs`, which must have been added before: the order is the schedule.
   /// Throws FormatError naming the stage, its inputs, what was found and what was needed.
   std::vector<Handle> add_set(std::vector<std::string> names, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs = {},
-                          Need need = Need::on_demand);
+                              Need need = Need::on_demand);
   /// The same for a stage that makes one topic, as most do.
   Handle add(const std::string& name, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs = {}, Need need = Need::on_demand);
 

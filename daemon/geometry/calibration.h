@@ -15,18 +15,18 @@ namespace vdisp {
 
 /// One camera as it is: pinhole with distortion, and how rectification turns it.
 struct RawCamera {
-  std::array<double, 9> k{};            ///< row-major 3x3, px
-  std::array<double, 8> distortion{};   ///< OpenCV order: k1 k2 p1 p2 k3 k4 k5 k6
+  std::array<double, 9> k{};              ///< row-major 3x3, px
+  std::array<double, 8> distortion{};     ///< OpenCV order: k1 k2 p1 p2 k3 k4 k5 k6
   std::array<double, 9> rectification{};  ///< row-major 3x3: raw camera frame to rectified camera frame
-  std::array<double, 12> projection{};  ///< row-major 3x4 of the rectified view, px and px*m
+  std::array<double, 12> projection{};    ///< row-major 3x4 of the rectified view, px and px*m
 };
 
 struct Calibration {
-  int width = 0, height = 0;    ///< of the images it was made for; 0: the file does not say
-  StereoView view;              ///< the rectified pair
+  int width = 0, height = 0;                    ///< of the images it was made for; 0: the file does not say
+  StereoView view;                              ///< the rectified pair
   std::optional<std::array<RawCamera, 2>> raw;  ///< left, right; absent: images are taken as rectified already
-  std::string format;           ///< what the file was: "SVS 3.2", "OpenCV", ...
-  uint64_t hash = 0;            ///< of all numbers above; equal calibrations have equal hashes
+  std::string format;                           ///< what the file was: "SVS 3.2", "OpenCV", ...
+  uint64_t hash = 0;                            ///< of all numbers above; equal calibrations have equal hashes
 };
 
 /// One line: file, what was found, what would be right.

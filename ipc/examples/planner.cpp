@@ -34,8 +34,7 @@ static View look(const Image& map) {
     for (double heading : {step * 0.05, -step * 0.05}) {  // to 0.5 rad on either side
       bool free = true;
       each_obstacle([&](double x, double z) {
-        const double along = x * std::sin(heading) + z * std::cos(heading),
-                     beside = x * std::cos(heading) - z * std::sin(heading);
+        const double along = x * std::sin(heading) + z * std::cos(heading), beside = x * std::cos(heading) - z * std::sin(heading);
         if (along > 0 && along < 2 && std::abs(beside) < 0.3) free = false;
       });
       if (free && std::isnan(view.free_heading)) view.free_heading = heading;
@@ -66,9 +65,7 @@ int main(int argc, char** argv) {
     if (static_cast<int>(reading.trust) != last) {
       last = static_cast<int>(reading.trust);
       const bool lost = reading.trust == Trust::dead && client.connection() != Connection::connected;
-      const std::string why = reading.trust == Trust::blind ? std::string(describe(reading.reason))
-                              : lost                        ? client.message()
-                                                            : "";
+      const std::string why = reading.trust == Trust::blind ? std::string(describe(reading.reason)) : lost ? client.message() : "";
       std::printf("%s%s%s\n", words[last], why.empty() ? "" : ": ", why.c_str());
     }
     if (!reading.fresh()) continue;  // stop, and wait
@@ -80,7 +77,9 @@ int main(int argc, char** argv) {
     std::printf("map %llu%s: ", static_cast<unsigned long long>(reading.image->sequence),
                 reading.image->flags & flag_synthetic ? " (synthetic)" : "");
     if (std::isfinite(view.range)) std::printf("nearest obstacle %.2f m at %+.0f deg, ", view.range, view.bearing * 180 / M_PI);
-    if (std::isnan(view.free_heading)) std::printf("no way is free\n");
-    else std::printf("free heading %+.0f deg\n", view.free_heading * 180 / M_PI);
+    if (std::isnan(view.free_heading))
+      std::printf("no way is free\n");
+    else
+      std::printf("free heading %+.0f deg\n", view.free_heading * 180 / M_PI);
   }
 }

@@ -41,12 +41,10 @@ int count(Client& client, const std::string& topic, double seconds) {
   const double cpu = static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                      static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
   std::sort(ages.begin(), ages.end());
-  const auto percentile = [&](double p) {
-    return ages.empty() ? 0 : ages[static_cast<size_t>(p * static_cast<double>(ages.size() - 1))];
-  };
-  std::printf("frames %llu missed %llu reconnections %llu age_us p50 %.0f p99 %.0f cpu %.1f%%\n",
-              static_cast<unsigned long long>(frames), static_cast<unsigned long long>(missed),
-              static_cast<unsigned long long>(client.reconnections()), percentile(0.5), percentile(0.99), 100 * cpu / seconds);
+  const auto percentile = [&](double p) { return ages.empty() ? 0 : ages[static_cast<size_t>(p * static_cast<double>(ages.size() - 1))]; };
+  std::printf("frames %llu missed %llu reconnections %llu age_us p50 %.0f p99 %.0f cpu %.1f%%\n", static_cast<unsigned long long>(frames),
+              static_cast<unsigned long long>(missed), static_cast<unsigned long long>(client.reconnections()), percentile(0.5),
+              percentile(0.99), 100 * cpu / seconds);
   return 0;
 }
 
@@ -73,8 +71,7 @@ int sets(Client& client, int number) {
     const uint64_t sequence = readings[0].image->sequence;
     if (sequence != readings[1].image->sequence || sequence != readings[2].image->sequence || sequence <= last) ++wrong;
     // The pixels too are of that frame: no block was written while it was read.
-    if (*readings[2].image->row<uint8_t>(479) != (sequence & 255) || *readings[0].image->row<uint8_t>(0) != (sequence & 255))
-      ++wrong;
+    if (*readings[2].image->row<uint8_t>(479) != (sequence & 255) || *readings[0].image->row<uint8_t>(0) != (sequence & 255)) ++wrong;
     last = sequence;
   }
   std::printf("sets %d wrong %d\n", complete, wrong);
@@ -112,8 +109,8 @@ int impostor(double seconds) {
 int connect_once(Client& client, double seconds) {
   const int64_t start = monotonic_ns();
   const bool connected = client.wait_for_daemon(milliseconds(static_cast<int>(seconds * 1e3)));
-  std::printf("%s after %.3f s: %s\n", connected ? "connected" : "not connected",
-              static_cast<double>(monotonic_ns() - start) * 1e-9, client.message().c_str());
+  std::printf("%s after %.3f s: %s\n", connected ? "connected" : "not connected", static_cast<double>(monotonic_ns() - start) * 1e-9,
+              client.message().c_str());
   const int code[] = {0, 69, 77, 71};
   return connected ? 0 : code[static_cast<int>(client.connection())];
 }

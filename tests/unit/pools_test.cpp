@@ -41,8 +41,7 @@ TEST(Pools, are_ascending_and_every_topic_fits_its_own) {
 TEST(Pools, more_sizes_than_iceoryx_has_pools_still_fit) {
   TopicList topics{{"map", cells}};
   for (uint16_t i = 1; i <= 60; ++i)
-    topics.emplace_back(std::string("t").append(std::to_string(i)),
-                        ImageSpec{Pixel::gray8, 0, 64, static_cast<uint16_t>(i * 10)});
+    topics.emplace_back(std::string("t").append(std::to_string(i)), ImageSpec{Pixel::gray8, 0, 64, static_cast<uint16_t>(i * 10)});
   const PoolPlan plan = plan_pools(topics);
   EXPECT_LE(plan.pools.size(), 32u);
   for (const auto& [topic, spec] : topics) EXPECT_GE(plan.pools[plan.topics.at(topic)].block_bytes, spec.bytes()) << topic;
