@@ -93,6 +93,8 @@ def floor_section(daemon, section):
         if name == "rover_minnie/rectified":
             minnie_gate(section, results, variants)
         section.command(daemon.command_line({**base, "image source.matcher": "MATCHER", **tuned_angles(parts)}))
+    if not rows:
+        raise Skipped("none of the sets is there")
     columns = [("set", ""), ("matcher", ""), ("angles", ""), ("ndisp", "d"), ("frames", "d"), ("found", ".2f")]
     columns += [(f"height p{p} [m]", ".3f") for p in (10, 50, 90)] + [(f"pitch p{p} [deg]", ".2f") for p in (10, 50, 90)]
     section.table(columns + [("density", ".3f"), ("confidence", ".2f")], rows,
