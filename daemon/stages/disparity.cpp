@@ -21,7 +21,6 @@ Disparity::Disparity(const Config& config) : config_(config) {
     block_ = cv::StereoBM::create();
     block_->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);
     block_->setPreFilterCap(sobel_cap);
-    block_->setDisp12MaxDiff(1);
   } else {
     global_ = cv::StereoSGBM::create();
     global_->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
@@ -37,8 +36,8 @@ void Disparity::set_parameters() {
     block_->setNumDisparities(p.ndisp);
     block_->setMinDisparity(p.minDisparity);
     block_->setBlockSize(p.corrsize);
-    block_->setTextureThreshold(p.thresh * p.corrsize * p.corrsize / 2);
-    block_->setUniquenessRatio(p.unique);
+    block_->setTextureThreshold(0);  // asked in name_rejected(), the same for both matchers
+    block_->setUniquenessRatio(p.unique * 5 / 2);
   } else {
     const int block = (p.corrsize / 2) | 1;
     global_->setNumDisparities(p.ndisp);
@@ -65,6 +64,9 @@ ImageSpec Disparity::accept(const ImageSpec& left, const ImageSpec& right) {
   return {Pixel::disparity16, 0, left.width, left.height};
 }
 
+/// What OpenCV writes where it found nothing.
+int16_t Disparity::none() const { return static_cast<int16_t>((config_.image_source.minDisparity - 1) * 16); }
+
 bool Disparity::combine(const Image& left, const Image& right, Image& out) noexcept {
   const auto& p = config_.image_source;
   set_parameters();
@@ -72,19 +74,27 @@ bool Disparity::combine(const Image& left, const Image& right, Image& out) noexc
   const cv::Mat left_view = mat(left, CV_8U), right_view = mat(right, CV_8U);
   if (block_) {
     block_->compute(left_view, right_view, result);
-    measure_texture(left_view);
+    match_right(left_view, right_view);
   } else {
     global_->compute(left_view, right_view, result);
   }
-  result.copyTo(matched_);
-  if (p.SpeckleSize > 0) cv::filterSpeckles(result, (p.minDisparity - 1) * 16, p.SpeckleSize, p.SpeckleDiff * 4, speckles_);
-  name_reasons(result);
+  measure_texture(left_view);
+  name_rejected(result);
+  if (block_) check_left_right(result);
+  refuse_speckles(result);
   out.camera.min_disparity = p.minDisparity;
   out.camera.disparities = p.ndisp;
   return true;
 }
 
-/// The sum that StereoBM compares with its textureThreshold.
+/// Seen in a mirror the right view is the left one.
+void Disparity::match_right(const cv::Mat& left, const cv::Mat& right) {
+  cv::flip(left, left_mirrored_, 1);
+  cv::flip(right, right_mirrored_, 1);
+  block_->compute(right_mirrored_, left_mirrored_, from_right_);
+}
+
+/// The sum over the window that thresh is compared with.
 void Disparity::measure_texture(const cv::Mat& left) {
   cv::Sobel(left, gradient_, CV_16S, 1, 0, 3);
   cv::convertScaleAbs(gradient_, gradient_);
@@ -93,28 +103,58 @@ void Disparity::measure_texture(const cv::Mat& left) {
   cv::boxFilter(gradient_, texture_, CV_32S, {window, window}, {-1, -1}, false);
 }
 
-void Disparity::name_reasons(cv::Mat& disparity) const {
+/// Replaces OpenCV's one value for "nothing" by the reason, and refuses what has too little texture to be trusted.
+void Disparity::name_rejected(cv::Mat& disparity) const {
   const auto& p = config_.image_source;
-  const int16_t none = static_cast<int16_t>((p.minDisparity - 1) * 16);
-  const int texture_threshold = block_ ? block_->getTextureThreshold() : 0;
+  const int threshold = p.thresh * p.corrsize * p.corrsize / 2;
   // What no window or search can reach. Semi-global matching has no window to speak of, but the same search.
   const int border = block_ ? p.corrsize / 2 : 0;
   const int left = border + std::max(p.minDisparity + p.ndisp - 1, 0);
   const int right = disparity.cols - border + std::min(p.minDisparity, 0);
   for (int v = 0; v < disparity.rows; ++v) {
     int16_t* d = disparity.ptr<int16_t>(v);
-    const int16_t* before = matched_.ptr<int16_t>(v);
-    const int32_t* texture = block_ ? texture_.ptr<int32_t>(v) : nullptr;
+    const int32_t* texture = texture_.ptr<int32_t>(v);
     const bool row_outside = v < border || v >= disparity.rows - border;
     for (int u = 0; u < disparity.cols; ++u) {
-      if (d[u] > none) continue;
-      if (before[u] > none) {
-        d[u] = rejected(Rejected::speckle);
-      } else if (row_outside || u < left || u >= right) {
+      if (d[u] <= none() && (row_outside || u < left || u >= right)) {
         d[u] = rejected(Rejected::outside);
-      } else {
-        d[u] = rejected(texture && texture[u] < texture_threshold ? Rejected::low_texture : Rejected::matcher);
+      } else if (texture[u] < threshold) {
+        d[u] = rejected(Rejected::low_texture);
+      } else if (d[u] <= none()) {
+        // Of block matching only the uniqueness filter is left; StereoSGBM does not say which of its two it was.
+        d[u] = rejected(block_ ? Rejected::not_unique : Rejected::matcher);
       }
+    }
+  }
+}
+
+void Disparity::check_left_right(cv::Mat& disparity) const {
+  const int columns = disparity.cols;
+  for (int v = 0; v < disparity.rows; ++v) {
+    int16_t* d = disparity.ptr<int16_t>(v);
+    const int16_t* back = from_right_.ptr<int16_t>(v);
+    for (int u = 0; u < columns; ++u) {
+      if (rejected_code(d[u])) continue;
+      const int there = u - ((d[u] + 8) >> 4);
+      const bool seen = there >= 0 && there < columns;
+      // What the right view could not match itself is not confirmed either.
+      if (!seen || std::abs(back[columns - 1 - there] - d[u]) > 16) d[u] = rejected(Rejected::left_right);
+    }
+  }
+}
+
+void Disparity::refuse_speckles(cv::Mat& disparity) {
+  const auto& p = config_.image_source;
+  if (p.SpeckleSize == 0) return;
+  disparity.copyTo(before_);
+  // The filter takes every value but `newVal` for a disparity: what is rejected already must not make regions.
+  disparity.setTo(none(), disparity < rejected_base);
+  cv::filterSpeckles(disparity, none(), p.SpeckleSize, p.SpeckleDiff * 4, speckles_);
+  for (int v = 0; v < disparity.rows; ++v) {
+    int16_t* d = disparity.ptr<int16_t>(v);
+    const int16_t* before = before_.ptr<int16_t>(v);
+    for (int u = 0; u < disparity.cols; ++u) {
+      if (d[u] == none()) d[u] = rejected_code(before[u]) ? before[u] : rejected(Rejected::speckle);
     }
   }
 }
