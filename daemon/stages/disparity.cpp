@@ -87,11 +87,22 @@ bool Disparity::combine(const Image& left, const Image& right, Image& out) noexc
   return true;
 }
 
-/// Seen in a mirror the right view is the left one.
+/// Seen in a mirror the right view is the left one. StereoBM gives up where the search leaves the image, in the mirror at the right
+/// border: the views are continued there by their last column, so that it searches as far as there is something.
 void Disparity::match_right(const cv::Mat& left, const cv::Mat& right) {
-  cv::flip(left, left_mirrored_, 1);
-  cv::flip(right, right_mirrored_, 1);
+  const int beyond = right_border();
+  for (const auto& [view, mirrored] : {std::pair{&left, &left_mirrored_}, std::pair{&right, &right_mirrored_}}) {
+    mirrored->create(view->rows, view->cols + beyond, CV_8U);
+    cv::Mat inside = mirrored->colRange(beyond, mirrored->cols);
+    cv::flip(*view, inside, 1);
+    for (int v = 0; v < view->rows; ++v) std::fill_n(mirrored->ptr(v), beyond, view->ptr(v)[view->cols - 1]);
+  }
   block_->compute(right_mirrored_, left_mirrored_, from_right_);
+}
+
+int Disparity::right_border() const {
+  const auto& p = config_.image_source;
+  return std::max(p.ndisp + p.minDisparity, 0) + p.corrsize;
 }
 
 /// The sum over the window that thresh is compared with.
@@ -129,7 +140,7 @@ void Disparity::name_rejected(cv::Mat& disparity) const {
 }
 
 void Disparity::check_left_right(cv::Mat& disparity) const {
-  const int columns = disparity.cols;
+  const int columns = disparity.cols, mirror = right_border() + columns - 1;
   for (int v = 0; v < disparity.rows; ++v) {
     int16_t* d = disparity.ptr<int16_t>(v);
     const int16_t* back = from_right_.ptr<int16_t>(v);
@@ -138,7 +149,7 @@ void Disparity::check_left_right(cv::Mat& disparity) const {
       const int there = u - ((d[u] + 8) >> 4);
       const bool seen = there >= 0 && there < columns;
       // What the right view could not match itself is not confirmed either.
-      if (!seen || std::abs(back[columns - 1 - there] - d[u]) > 16) d[u] = rejected(Rejected::left_right);
+      if (!seen || std::abs(back[mirror - there] - d[u]) > 16) d[u] = rejected(Rejected::left_right);
     }
   }
 }

@@ -30,6 +30,7 @@ class Disparity final : public BinaryOperator {
  private:
   void set_parameters();
   int16_t none() const;
+  int right_border() const;
   void match_right(const cv::Mat& left, const cv::Mat& right);
   void measure_texture(const cv::Mat& left);
   void name_rejected(cv::Mat& disparity) const;
