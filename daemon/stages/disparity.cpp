@@ -37,7 +37,7 @@ void Disparity::set_parameters() {
     block_->setMinDisparity(p.minDisparity);
     block_->setBlockSize(p.corrsize);
     block_->setTextureThreshold(0);  // asked in name_rejected(), the same for both matchers
-    block_->setUniquenessRatio(p.unique * 5 / 2);
+    block_->setUniquenessRatio(p.unique);
   } else {
     const int block = (p.corrsize / 2) | 1;
     global_->setNumDisparities(p.ndisp);

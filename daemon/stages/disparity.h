@@ -16,8 +16,7 @@ namespace vdisp {
 ///   corrsize                 StereoBM: window. StereoSGBM: block of corrsize / 2, made odd
 ///   thresh                   the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same
 ///                            number means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
-///   unique                   StereoBM: uniquenessRatio = 2.5 unique; at SVS's 10 the simulator's bare ground then gives no obstacle in 1000
-///                            frames, with 10 it did in 768. StereoSGBM: uniquenessRatio
+///   unique                   uniquenessRatio
 ///   left/right check         StereoBM: the right view is matched too, and has to lead back within 1 px; OpenCV's own check passes what
 ///                            no other pixel claims, as on a blank sky. StereoSGBM: disp12MaxDiff = 1
 ///   SpeckleSize, SpeckleDiff cv::filterSpeckles with maxDiff = SpeckleDiff / 4 px
