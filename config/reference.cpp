@@ -47,11 +47,11 @@ const char* when(const Parameter& row) { return row.when == When::live ? "live" 
 
 void write_man_page(std::ostream& out) {
   out << R"(.\" Made by scripts/update-reference from config/schema.def; do not edit.
-.TH VDISP.CFG 5 "" vdisp "File formats"
+.TH VDISP.CFG 5 2026-11-22 vdisp "File formats"
 .SH NAME
 vdisp.cfg \- configuration of vdispd
 .SH DESCRIPTION
-.BR vdispd (8)
+.BR vdispd (1)
 reads this file.
 It is made of sections, each with a line
 .RI [ section ]
@@ -89,7 +89,7 @@ and whether a change takes effect in a running daemon (live) or at its next star
 )";
   write_man_section(out);
   out << R"(.SH SEE ALSO
-.BR vdispd (8)
+.BR vdispd (1)
 )";
 }
 

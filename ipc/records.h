@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "ipc/image.h"
+#include "image.h"  // beside this file in the tree and where it is installed
 
 namespace vdisp {
 

@@ -1,5 +1,5 @@
-// files.cpp: the source `files`: reads pairs in lock-step with the tree, no thread, and stamps them with the time of the
-// recording. SPDX-License-Identifier: Apache-2.0
+// files.cpp: the source `files`: reads pairs in lock-step with the tree, no thread, stamped with the time of the recording.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/sources/files.h"
 
 #include <cmath>

@@ -1,4 +1,5 @@
 # 010-attach: readers attach before, during and after the daemon; sets are of one frame; nothing hangs or aborts.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 $BIN/vdisp-reader connect 0.3 > $WORK/none; [ $? = 69 ] || fail "no daemon: exit code, $(cat $WORK/none)"
 $BIN/vdisp-client-c || fail "C client without a daemon"

@@ -1,4 +1,5 @@
 # 015-refusals: what the daemon's side says where it cannot start: one line, the right exit code, nothing left behind.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 refused() { # CODE PATTERN OPTIONS...: at most 3 s
   local code=$1 pattern=$2; shift 2

@@ -1,4 +1,5 @@
 # 020-slow-reader: a reader that never gives an image back starves its own pool; the map goes on, drops are counted, nothing allocates.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 nice -n -15 $BIN/vdisp-publish --rate 50 --frames 450 > $WORK/daemon & DAEMON=$!; wait_for $WORK/daemon ready
 nice -n -15 $BIN/vdisp-reader count map 5 > $WORK/map & MAP=$!

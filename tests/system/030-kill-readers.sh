@@ -1,4 +1,5 @@
 # 030-kill-readers: readers are killed at 100 random moments, also while they attach; a steady one misses no frame.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 nice -n -15 $BIN/vdisp-publish --rate 50 > $WORK/daemon & DAEMON=$!; wait_for $WORK/daemon ready
 # Before the crowd in the queue for the processor: what is tested is the memory, not the scheduler.

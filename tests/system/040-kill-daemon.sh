@@ -1,4 +1,5 @@
 # 040-kill-daemon: the daemon is killed 20 times; the planner says dead, reads fresh maps within 1 s of the next one being ready, and lives on.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 stamped() { while IFS= read -r line; do echo "${EPOCHREALTIME/./} $line"; done; }
 $BIN/vdisp-planner > >(stamped > $WORK/planner) & PLANNER=$!

@@ -1,4 +1,5 @@
 # 050-stop-continue: readers and the daemon are stopped for seconds and continue; all recover. Second argument: rounds of 10 readers each.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 ROUNDS=${2:-1}
 $BIN/vdisp-publish --rate 30 > $WORK/daemon & DAEMON=$!; wait_for $WORK/daemon ready

@@ -1,4 +1,5 @@
 # 060-rights: the daemon as a user of its own; members of a group read and cannot write; others get one line.
+# SPDX-License-Identifier: Apache-2.0
 . "$(dirname "$0")/private.sh"
 # the user database is private too
 mkdir $WORK/etc; cp -a /etc/passwd /etc/group $WORK/etc

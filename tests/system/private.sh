@@ -1,4 +1,5 @@
 # private.sh: sourced first by each system test: its own /tmp and /dev/shm, so that RouDis do not meet. BIN is the folder of the programs.
+# SPDX-License-Identifier: Apache-2.0
 # Ends the test with 77 (skipped) where mount namespaces are not permitted.
 if [ -z "$VDISP_PRIVATE" ]; then
   if ! unshare -m true 2>/dev/null; then

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "ipc/image.h"
-#include "ipc/records.h"
+#include "vdisp/image.h"
+#include "vdisp/records.h"
 
 namespace vdisp {
 
