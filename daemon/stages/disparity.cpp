@@ -16,7 +16,7 @@ cv::Mat mat(const Image& image, int type) {
 
 }  // namespace
 
-Disparity::Disparity(const Config& config) : config_(config) {
+Disparity::Disparity(const Config& config) : config_(config), floor_check_(config) {
   if (config.image_source.matcher == "opencv") {
     block_ = cv::StereoBM::create();
     block_->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);
@@ -61,7 +61,9 @@ ImageSpec Disparity::accept(const ImageSpec& left, const ImageSpec& right) {
   if (left.height <= p.corrsize)
     throw FormatError("the images have " + std::to_string(left.height) + " rows, the window corrsize needs more than " +
                       std::to_string(p.corrsize));
-  return {Pixel::disparity16, 0, left.width, left.height};
+  const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
+  floor_check_.prepare(out);
+  return out;
 }
 
 /// What OpenCV writes where it found nothing.
@@ -81,9 +83,10 @@ bool Disparity::combine(const Image& left, const Image& right, Image& out) noexc
   measure_texture(left_view);
   name_rejected(result);
   if (block_) check_left_right(result);
-  refuse_speckles(result);
   out.camera.min_disparity = p.minDisparity;
   out.camera.disparities = p.ndisp;
+  floor_check_.refuse(left_view, right_view, out);
+  refuse_speckles(result);
   return true;
 }
 

@@ -6,6 +6,7 @@
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/stages/floor_check.h"
 
 namespace vdisp {
 
@@ -42,6 +43,7 @@ class Disparity final : public BinaryOperator {
   cv::Mat left_mirrored_, right_mirrored_, from_right_;  // from_right_ is mirrored too
   cv::Mat before_, speckles_;                            // work space of the speckle filter
   cv::Mat gradient_, texture_;
+  FloorCheck floor_check_;
 };
 
 }  // namespace vdisp
