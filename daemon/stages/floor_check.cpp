@@ -14,7 +14,7 @@ namespace {
 
 constexpr int cap = 31;             // of the gradient, as in StereoBM
 constexpr float near_floor = 1.5f;  // px: a match this near to the floor's disparity is the floor
-constexpr float as_well = 1.2f;     // the floor may fit this much worse and still explain the pixel
+constexpr float as_well = 1.5f;     // the floor may fit this much worse and still explain the pixel
 
 void signed_gradient(const cv::Mat& view, cv::Mat& work, cv::Mat& out) {
   cv::Sobel(view, work, CV_16S, 1, 0, 3);
