@@ -32,7 +32,7 @@ class FloorCheck {
   VDisparity vdisparity_;
   Floor floor_;
   std::unique_ptr<BufferOutlet> votes_, line_, model_;
-  std::vector<float> shift_;  // of the floor, for each row, px; < 0 above the horizon
+  std::vector<int> shift_;  // of the floor, for each row, 1/16 px
   cv::Mat gradient_, left_gradient_, right_gradient_;
   cv::Mat off_floor_, off_match_, floor_cost_, match_cost_;
 };
