@@ -79,8 +79,9 @@ class Check {
   void search() {
     const auto& s = config_.image_source;
     if (s.minDisparity + s.ndisp > 0) return;
-    refuse({"image source.ndisp", "image source.minDisparity"},
-           value("image source.ndisp") + " with " + value("image source.minDisparity") + " searches beyond infinity alone, must end above 0");
+    refuse(
+        {"image source.ndisp", "image source.minDisparity"},
+        value("image source.ndisp") + " with " + value("image source.minDisparity") + " searches beyond infinity alone, must end above 0");
   }
 
   void name() {

@@ -125,8 +125,8 @@ void FilesSource::check_size(const cv::Size& size) const {
   const cv::Size wanted{settings_.width != 0 ? settings_.width : size.width, settings_.height != 0 ? settings_.height : size.height};
   if (wanted != size) throw SourceError(78, found + ", needed by width and height is " + size_text(wanted));
   if (calibration_ && calibration_->width != 0 && cv::Size(calibration_->width, calibration_->height) != size)
-    throw SourceError(78, found + ", the calibration " + settings_.paramfile + " is for " +
-                              size_text({calibration_->width, calibration_->height}));
+    throw SourceError(
+        78, found + ", the calibration " + settings_.paramfile + " is for " + size_text({calibration_->width, calibration_->height}));
 }
 
 PairRead FilesSource::next() {

@@ -98,8 +98,8 @@ PairRead VideoPairs::next() {
     if (video.number != number)
       problem_ = video.file + ": frame " + std::to_string(number) + " is damaged or missing";
     else if (video.frame.size() != size_)
-      problem_ = video.file + ": frame " + std::to_string(number) + " is " + size_text(video.frame.size()) + ", the first was " +
-                 size_text(size_);
+      problem_ =
+          video.file + ": frame " + std::to_string(number) + " is " + size_text(video.frame.size()) + ", the first was " + size_text(size_);
     if (!problem_.empty()) return PairRead::bad;
   }
   const int half = size_.width / 2;

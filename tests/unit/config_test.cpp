@@ -176,7 +176,8 @@ TEST_F(ConfigFile, an_unknown_key_names_the_nearest) {
   EXPECT_EQ(complaints("[Floor]\nitrRansac=100\n"), "t.cfg:2: no parameter 'itrRansac' in [Floor], nearest is 'iterRansac'\n");
   EXPECT_EQ(complaints("[Floor]\niterransac=100\n"), "t.cfg:2: no parameter 'iterransac' in [Floor], nearest is 'iterRansac'\n");
   EXPECT_EQ(complaints("[main]\nitrRansac=100\n"), "t.cfg:2: no parameter 'itrRansac' in [main], nearest is 'iterRansac' in [Floor]\n");
-  EXPECT_EQ(complaints("[ipc]\nbroccoli=100\n"), "t.cfg:2: no parameter 'broccoli' in [ipc], nearest is 'group', there are memory, group\n");
+  EXPECT_EQ(complaints("[ipc]\nbroccoli=100\n"),
+            "t.cfg:2: no parameter 'broccoli' in [ipc], nearest is 'group', there are memory, group\n");
   EXPECT_EQ(complaints("[image source]\nndsip=48\nwidht=64\n"),
             "t.cfg:2: no parameter 'ndsip' in [image source], nearest is 'ndisp'\n"
             "t.cfg:3: no parameter 'widht' in [image source], nearest is 'width'\n");

@@ -322,6 +322,28 @@ TEST_F(Files, globs_without_common_names_pair_by_order) {
   EXPECT_REFUSED(config("left/*.png", "right/*.png"), "78", "matches 4 images");
 }
 
+TEST_F(Files, leading_folders_are_taken_by_their_names) {
+  for (const char* folder : {"br[1]", "pc%20", "a%%b", "back\\*"})
+    for (int i = 0; i < 3; ++i) {
+      put(cv::format("%s/left/%06d.png", folder, i), picture(i, true));
+      put(cv::format("%s/right/%06d.png", folder, i), picture(i, false));
+    }
+  for (const std::string folder : {"br[1]", "pc%20", "a%%b", "back\\*"})
+    for (const std::string names : {"%06d.png", "*.png"})
+      EXPECT_EQ(Player(config(folder + "/left/" + names, folder + "/right/" + names)).story(), "012.") << folder << " " << names;
+}
+
+TEST_F(Files, two_percent_signs_are_a_plain_one) {
+  for (int i = 0; i < 3; ++i) {
+    put(cv::format("pc%%20/left/5%%_%d_%%.png", i), picture(i, true));
+    put(cv::format("pc%%20/right/5%%_%d_%%.png", i), picture(i, false));
+  }
+  EXPECT_EQ(Player(config("pc%%20/left/5%%_%d_%%.png", "pc%%20/right/5%%_%d_%%.png")).story(), "012.");
+  EXPECT_EQ(Player(config("pc%%20/left/5%%_*.png", "pc%20/right/5%%_*.png")).story(), "012.");
+  EXPECT_REFUSED(config("pc%20/left/5%_%d.png", "pc%20/right/*"), "78", "two of a kind");
+  EXPECT_REFUSED(config("pc%20/left/5%_%d.png", "pc%20/right/%d"), "78", "a plain % is written %%");
+}
+
 TEST_F(Files, loop_begins_again_with_rising_timestamps) {
   for (int i = 0; i < 2; ++i) pair(i, cv::format("14037152730%08d.png", i * 50000000));
   Config looped = config("left/*.png", "right/*.png");
