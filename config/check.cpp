@@ -1,5 +1,6 @@
 // check.cpp: what no range can say: values that contradict each other.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "config/parameters.h"
@@ -75,8 +76,19 @@ class Check {
     }
   }
 
+  void search() {
+    const auto& s = config_.image_source;
+    if (s.minDisparity + s.ndisp > 0) return;
+    refuse(
+        {"image source.ndisp", "image source.minDisparity"},
+        value("image source.ndisp") + " with " + value("image source.minDisparity") + " searches beyond infinity alone, must end above 0");
+  }
+
   void name() {
     const std::string& name = config_.main.name;
+    // iceoryx separates the parts of its messages by commas.
+    if (std::any_of(name.begin(), name.end(), [](char c) { return c == ',' || is_blank(c) || is_control(c); }))
+      refuse({"main.name"}, value("main.name") + ", must be without commas, blanks and control characters");
     if (!name.empty() && name.size() <= longest_name) return;
     refuse({"main.name"}, "name has " + std::to_string(name.size()) + " bytes, must have from 1 to " + std::to_string(longest_name));
   }
@@ -97,6 +109,7 @@ std::vector<Contradiction> check(const Config& config) {
   check.name();
   check.files();
   check.sizes();
+  check.search();
   check.floor();
   check.angle();
   check.cells("Map.range", config.map.range);

@@ -7,7 +7,7 @@
 
 namespace vdisp {
 
-/// Letters to insert, delete or change, upper and lower case being the same.
+/// Letters to insert, delete or change, or neighbours to swap, upper and lower case being the same.
 size_t edit_distance(std::string_view a, std::string_view b);
 /// Empty where nothing is near.
 std::string_view nearest_section(std::string_view name);

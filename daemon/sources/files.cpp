@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/sources/files.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -11,7 +11,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <variant>
 
-#include "daemon/core/clock.h"
 #include "daemon/sources/pair_readers.h"
 
 namespace vdisp {
@@ -19,8 +18,7 @@ namespace {
 
 constexpr double default_rate = 30;  // Hz, of timestamps where nothing tells the rate
 constexpr int largest = 8192;        // px, as [image source] width
-
-std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+constexpr size_t surveyed = 10;      // good pairs that tell the size
 
 class FilesSource final : public StereoSource {
  public:
@@ -35,19 +33,20 @@ class FilesSource final : public StereoSource {
   std::pair<std::string, std::string> files() const override {
     return std::visit([](const auto& pairs) { return pairs.names(); }, pairs_);
   }
+  std::string_view fault() const noexcept override { return fault_; }
 
  private:
   using Pairs = std::variant<ImagePairs, VideoPairs>;
 
   Pairs open_pairs() const;
   cv::Size first_size();
+  cv::Size wanted_size() const;
   void check_size(const cv::Size& size) const;
   PairRead next();
   void rewind();
   bool fill(std::span<Image* const> out) noexcept;
+  std::string wrong_size() const;
   int64_t timestamp_ns() const;
-  CameraGeometry geometry() const;
-  void report(bool good, const char* problem) noexcept;
 
   const image_source_section settings_;
   std::optional<Calibration> calibration_;
@@ -56,8 +55,7 @@ class FilesSource final : public StereoSource {
   double rate_ = default_rate;
   int64_t taken_ = 0;  ///< pairs since the start
   int64_t loops_ = 0;
-  bool bad_ = false;
-  int64_t told_ns_ = INT64_MIN / 2;
+  std::string fault_;
 };
 
 FilesSource::Pairs FilesSource::open_pairs() const {
@@ -88,7 +86,7 @@ FilesSource::Pairs FilesSource::open_pairs() const {
 }
 
 std::vector<ImageSpec> FilesSource::open() {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // a bad pair is reported once, here
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong with a pair is told by fault()
   pairs_ = open_pairs();
   const double recorded = std::visit([](const auto& pairs) { return pairs.rate(); }, pairs_);
   rate_ = settings_.rate > 0 ? settings_.rate : recorded > 0 ? recorded : default_rate;
@@ -98,33 +96,37 @@ std::vector<ImageSpec> FilesSource::open() {
   return {spec_, spec_};
 }
 
-/// The first good pair tells the size; bad ones before it stay in the sequence.
+/// Most of the first good pairs tell the size, and of those that fit the configuration, where some do: a stray picture is a bad
+/// pair. Bad ones before them stay in the sequence.
 cv::Size FilesSource::first_size() {
   if (const auto* videos = std::get_if<VideoPairs>(&pairs_)) return videos->view_size();
   ImagePairs& images = std::get<ImagePairs>(pairs_);
-  std::string first_problem;
-  PairRead result;
-  while ((result = images.next()) == PairRead::bad)
-    if (first_problem.empty()) first_problem = images.problem();
-  if (result == PairRead::end)
-    throw SourceError(66, "[image source] none of " + std::to_string(images.count()) + " pairs is good: " + first_problem);
-  const cv::Size size = images.left().size();
-  images.rewind();
-  return size;
+  const std::vector<cv::Size> sizes = images.survey(surveyed);
+  if (sizes.empty())
+    throw SourceError(66, "[image source] none of " + std::to_string(images.count()) + " pairs is good: " + images.problem());
+  const cv::Size wanted = wanted_size();
+  const auto weight = [&](const cv::Size& size) {
+    const bool fits = (wanted.width == 0 || size.width == wanted.width) && (wanted.height == 0 || size.height == wanted.height);
+    return std::pair(fits, std::count(sizes.begin(), sizes.end(), size));
+  };
+  return *std::max_element(sizes.begin(), sizes.end(), [&](const cv::Size& a, const cv::Size& b) { return weight(a) < weight(b); });
+}
+
+/// What the calibration, width and height ask for; 0: nothing does.
+cv::Size FilesSource::wanted_size() const {
+  if (calibration_ && calibration_->width != 0) return {calibration_->width, calibration_->height};
+  return {settings_.width, settings_.height};
 }
 
 void FilesSource::check_size(const cv::Size& size) const {
-  const std::string found = size_text(size.width, size.height);
+  const std::string found = "[image source] left = " + settings_.left + ": images are " + size_text(size);
   if (size.width > largest || size.height > largest)
+    throw SourceError(78, found + ", at most " + size_text({largest, largest}) + " can be");
+  const cv::Size wanted{settings_.width != 0 ? settings_.width : size.width, settings_.height != 0 ? settings_.height : size.height};
+  if (wanted != size) throw SourceError(78, found + ", needed by width and height is " + size_text(wanted));
+  if (calibration_ && calibration_->width != 0 && cv::Size(calibration_->width, calibration_->height) != size)
     throw SourceError(
-        78, "[image source] left = " + settings_.left + ": images are " + found + ", at most " + size_text(largest, largest) + " can be");
-  if ((settings_.width != 0 && settings_.width != size.width) || (settings_.height != 0 && settings_.height != size.height))
-    throw SourceError(
-        78, "[image source] left = " + settings_.left + ": images are " + found + ", needed by width and height is " +
-                size_text(settings_.width != 0 ? settings_.width : size.width, settings_.height != 0 ? settings_.height : size.height));
-  if (calibration_ && calibration_->width != 0 && (calibration_->width != size.width || calibration_->height != size.height))
-    throw SourceError(78, "[image source] left = " + settings_.left + ": images are " + found + ", the calibration " + settings_.paramfile +
-                              " is for " + size_text(calibration_->width, calibration_->height));
+        78, found + ", the calibration " + settings_.paramfile + " is for " + size_text({calibration_->width, calibration_->height}));
 }
 
 PairRead FilesSource::next() {
@@ -142,21 +144,6 @@ int64_t FilesSource::timestamp_ns() const {
   return std::llround(static_cast<double>(taken_) * 1e9 / rate_);
 }
 
-/// Of the rectified view, which is what follows from these images.
-CameraGeometry FilesSource::geometry() const {
-  CameraGeometry camera{};
-  camera.min_disparity = settings_.minDisparity;
-  camera.disparities = settings_.ndisp;
-  if (!calibration_) return camera;
-  const StereoView& view = calibration_->view;
-  camera.f = static_cast<float>(view.f);
-  camera.cx = static_cast<float>(view.cx);
-  camera.cy = static_cast<float>(view.cy);
-  camera.baseline = static_cast<float>(view.baseline);
-  camera.cx_offset = static_cast<float>(view.cx_offset);
-  return camera;
-}
-
 bool FilesSource::fill(std::span<Image* const> out) noexcept {
   return std::visit(
       [&](const auto& pairs) {
@@ -170,38 +157,31 @@ bool FilesSource::fill(std::span<Image* const> out) noexcept {
       pairs_);
 }
 
-/// One line when pairs begin to be bad, at most one a second; counters tell the rest.
-void FilesSource::report(bool good, const char* problem) noexcept {
-  const int64_t now = monotonic_ns();
-  if (!good && !bad_ && now - told_ns_ >= 1'000'000'000) {
-    std::fprintf(stderr, "files: pair %lld is bad: %s\n", static_cast<long long>(taken_), problem);
-    told_ns_ = now;
-  }
-  bad_ = !good;
+std::string FilesSource::wrong_size() const {
+  const cv::Size found = std::visit([](const auto& pairs) { return pairs.left().size(); }, pairs_);
+  return files().first + " is " + size_text(found) + ", not " + size_text({spec_.width, spec_.height}) + " as the others";
 }
 
 Outcome FilesSource::grab(std::span<Image* const> out) noexcept {
+  fault_.clear();
   PairRead read = PairRead::bad;
-  std::string problem;
   try {
     read = next();
     if (read == PairRead::end && settings_.loop && taken_ > 0) {
       rewind();
       read = next();
     }
-    if (read == PairRead::bad) problem = std::visit([](const auto& pairs) { return pairs.problem(); }, pairs_);
+    if (read != PairRead::good) fault_ = std::visit([](const auto& pairs) { return pairs.problem(); }, pairs_);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "files: reading ends: %s\n", e.what());
+    fault_ = std::string("reading ends: ") + e.what();
     return Outcome::end;
   }
   if (read == PairRead::end) return Outcome::end;
   const bool good = read == PairRead::good && fill(out);
-  if (read == PairRead::good && !good) problem = "another size than " + size_text(spec_.width, spec_.height) + ", that of the first pair";
-  report(good, problem.c_str());
+  if (read == PairRead::good && !good) fault_ = wrong_size();
   for (Image* image : out) {
     image->timestamp_ns = timestamp_ns();
     image->flags |= flag_synthetic;
-    image->camera = geometry();
     image->calibration_hash = calibration_ ? calibration_->hash : 0;
     if (good) continue;
     image->set_blind(Reason::bad_pair);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <span>
 #include <string_view>
@@ -107,7 +108,11 @@ std::string load(const std::string& file, std::vector<uint8_t>& bytes) {
   return why;
 }
 
-std::string size_text(const cv::Mat& image) { return std::to_string(image.cols) + "x" + std::to_string(image.rows); }
+double greatest(const cv::Mat& image) {
+  double value = 0;
+  cv::minMaxLoc(image, nullptr, &value);
+  return value;
+}
 
 }  // namespace
 
@@ -133,18 +138,41 @@ bool ImagePairs::read(const std::string& file, cv::Mat& decoded, cv::Mat& gray) 
     return false;
   }
   if (decoded.depth() == CV_16U)
-    decoded.convertTo(gray, CV_8U, 1.0 / 257);
+    decoded.convertTo(gray, CV_8U, 255 / white_);
   else
     gray = decoded;
   return true;
 }
 
+std::vector<cv::Size> ImagePairs::survey(size_t most) {
+  std::vector<cv::Size> sizes;
+  std::string first_problem;
+  double brightest = 0;
+  while (sizes.size() < most) {
+    const PairRead result = next();
+    if (result == PairRead::end) break;
+    if (result == PairRead::bad) {
+      if (first_problem.empty()) first_problem = problem_;
+      continue;
+    }
+    sizes.push_back(gray_[0].size());
+    for (const cv::Mat& image : decoded_)
+      if (image.depth() == CV_16U) brightest = std::max(brightest, greatest(image));
+  }
+  // All black tells nothing.
+  if (brightest > 0) white_ = brightest < 1024 ? 1023 : brightest < 4096 ? 4095 : 65535;
+  if (sizes.empty()) problem_ = first_problem;
+  rewind();
+  return sizes;
+}
+
 PairRead ImagePairs::next() {
+  problem_.clear();
   if (next_ >= pairs_.size()) return PairRead::end;
   const PairName& pair = pairs_[next_++];
   if (!read(pair.left, decoded_[0], gray_[0]) || !read(pair.right, decoded_[1], gray_[1])) return PairRead::bad;
   if (gray_[0].size() == gray_[1].size()) return PairRead::good;
-  problem_ = pair.left + " is " + size_text(gray_[0]) + ", " + pair.right + " is " + size_text(gray_[1]);
+  problem_ = pair.left + " is " + size_text(gray_[0].size()) + ", " + pair.right + " is " + size_text(gray_[1].size());
   return PairRead::bad;
 }
 

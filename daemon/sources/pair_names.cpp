@@ -5,7 +5,6 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <map>
@@ -13,6 +12,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "daemon/sources/natural_order.h"
 #include "daemon/sources/source.h"
 
 namespace vdisp {
@@ -20,35 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* wildcards = "*?[";
-
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-/// Numbers in numeric order: left2 before left10.
-bool natural_less(std::string_view a, std::string_view b) {
-  const std::string_view all_a = a, all_b = b;
-  const auto number = [](std::string_view& s) {
-    const size_t length = static_cast<size_t>(std::find_if_not(s.begin(), s.end(), is_digit) - s.begin());
-    std::string_view digits = s.substr(0, length);
-    s.remove_prefix(length);
-    digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
-    return digits;
-  };
-  while (!a.empty() && !b.empty()) {
-    if (is_digit(a[0]) && is_digit(b[0])) {
-      const std::string_view m = number(a), n = number(b);
-      if (m.size() != n.size()) return m.size() < n.size();
-      if (m != n) return m < n;
-    } else {
-      if (a[0] != b[0]) return a[0] < b[0];
-      a.remove_prefix(1);
-      b.remove_prefix(1);
-    }
-  }
-  return a.empty() != b.empty() ? a.empty() : all_a < all_b;
-}
-struct NaturalLess {
-  bool operator()(const std::string& a, const std::string& b) const { return natural_less(a, b); }
-};
 
 /// What is there instead, for people who mistyped a path.
 std::string what_is_there(const fs::path& folder) {
@@ -64,20 +35,46 @@ std::string what_is_there(const fs::path& folder) {
          *names.begin();
 }
 
+/// How much of a name is leading folders that there are, by exactly this name: no wildcards and no numbers stand in it.
+size_t literal_length(const std::string& name) {
+  size_t length = 0;
+  for (size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+    std::error_code error;
+    if (!fs::is_directory(name.substr(0, slash + 1), error)) break;
+    length = slash + 1;
+  }
+  return length;
+}
+
+/// Where the next % stands that is not half of a %%, which is a plain one.
+size_t find_conversion(const std::string& name, size_t from) {
+  size_t at = name.find('%', from);
+  while (at != std::string::npos && name.compare(at, 2, "%%") == 0) at = name.find('%', at + 2);
+  return at;
+}
+
+std::string plain(std::string text) {
+  for (size_t at = text.find("%%"); at != std::string::npos; at = text.find("%%", at + 1)) text.erase(at, 1);
+  return text;
+}
+
 /// A name with one number in it, in any part of the path.
 class Pattern {
  public:
   Pattern(const std::string& key, const std::string& text) : key_(key), text_(text) {
-    size_t at = text.find('%');
-    before_ = text.substr(0, at++);
+    const size_t literal = literal_length(text);
+    size_t at = find_conversion(text, literal);
+    if (at == std::string::npos) refuse();
+    before_ = text.substr(0, literal) + plain(text.substr(literal, at - literal));
+    ++at;
     if (at < text.size() && text[at] == '0') zero_ = true, ++at;
     const size_t digits = at;
     while (at < text.size() && is_digit(text[at])) ++at;
     if (at - digits > 2) refuse();
     if (at > digits) width_ = static_cast<size_t>(std::stoi(text.substr(digits, at - digits)));
     if (at >= text.size() || text[at] != 'd') refuse();
-    after_ = text.substr(at + 1);
-    if (after_.find('%') != std::string::npos) refuse();
+    if (find_conversion(text, at + 1) != std::string::npos) refuse();
+    after_ = plain(text.substr(at + 1));
   }
 
   std::string name(int64_t number) const { return before_ + digits(number) + after_; }
@@ -103,8 +100,8 @@ class Pattern {
 
  private:
   [[noreturn]] void refuse() const {
-    throw SourceError(78,
-                      "[image source] " + key_ + " = " + text_ + ": not a pattern; needed is one number, %d or like %06d, and no other %");
+    throw SourceError(
+        78, "[image source] " + key_ + " = " + text_ + ": not a pattern; needed is one number, %d or like %06d; a plain % is written %%");
   }
   std::string digits(int64_t number) const {
     std::string result = std::to_string(number);
@@ -146,10 +143,17 @@ struct GlobNames {
 };
 
 GlobNames list_glob(const std::string& key, const std::string& text) {
-  const size_t first = text.find_first_of(wildcards), last = text.find_last_of("*?]");
-  GlobNames names{text, text.substr(0, first), last == std::string::npos ? "" : text.substr(last + 1), {}};
+  const size_t literal = literal_length(text);
+  const std::string head = text.substr(0, literal), rest = plain(text.substr(literal));
+  const size_t first = rest.find_first_of(wildcards), last = rest.find_last_of("*?]");
+  GlobNames names{text, head + rest.substr(0, first), last == std::string::npos ? "" : rest.substr(last + 1), {}};
+  std::string escaped;
+  for (const char c : head) {
+    if (std::string_view("*?[\\").find(c) != std::string_view::npos) escaped += '\\';
+    escaped += c;
+  }
   glob_t found{};
-  glob(text.c_str(), GLOB_NOSORT, nullptr, &found);
+  glob((escaped + rest).c_str(), GLOB_NOSORT, nullptr, &found);
   for (size_t i = 0; i < found.gl_pathc; ++i) {
     const std::string path = found.gl_pathv[i];
     std::error_code error;
@@ -203,8 +207,9 @@ int64_t recorded_ns(const std::string& path) {
 NameForm form_of(const std::string& name) {
   std::error_code error;
   if (fs::exists(name, error)) return NameForm::literal;
-  if (name.find('%') != std::string::npos) return NameForm::pattern;
-  return name.find_first_of(wildcards) != std::string::npos ? NameForm::glob : NameForm::literal;
+  const size_t literal = literal_length(name);
+  if (find_conversion(name, literal) != std::string::npos) return NameForm::pattern;
+  return name.find_first_of(wildcards, literal) != std::string::npos ? NameForm::glob : NameForm::literal;
 }
 
 std::string describe(NameForm form) {

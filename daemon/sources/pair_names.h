@@ -8,7 +8,8 @@
 
 namespace vdisp {
 
-/// literal: one file; pattern: one %d, %6d or %06d for the number; glob: *, ?, [...]. A file of exactly that name is literal.
+/// literal: one file; pattern: one %d, %6d or %06d for the number; glob: *, ?, [...]. A file of exactly that name is literal,
+/// and so are leading folders: br[1]/left/*.png, pc%20/%d.png. Behind them %% is a plain %.
 enum class NameForm { literal, pattern, glob };
 NameForm form_of(const std::string& name);
 /// For messages: "a printf pattern", ...

@@ -18,8 +18,9 @@ namespace vdisp {
 namespace {
 
 constexpr const char* module_name = "vdisp_sim.so";
-// Drawing is arithmetic, not waiting: a frame that takes longer than this comes from a machine that stands still.
-constexpr std::chrono::seconds longest_wait{2};
+// Not the 100 ms of a camera: the simulator is lock-step, and a blind frame on a slow machine would make results depend on its
+// speed. Drawing is arithmetic that ends; only a machine that stands still takes longer than this.
+constexpr std::chrono::seconds longest_wait{20};
 
 class SimSource final : public StereoSource {
  public:
@@ -44,18 +45,16 @@ class SimSource final : public StereoSource {
 
   Outcome grab(std::span<Image* const> out) noexcept override {
     std::unique_lock lock(mutex_);
+    for (Image* image : out) {
+      image->timestamp_ns = static_cast<int64_t>(frame_) * sim::frame_period_ns(config_.sim);
+      image->flags |= flag_synthetic;
+      image->calibration_hash = simulator_->calibration().hash;
+    }
     if (!changed_.wait_for(lock, longest_wait, [&] { return ready_; })) {
-      out[0]->set_blind(Reason::no_frame);
+      for (Image* image : out) image->set_blind(Reason::no_frame);
       return Outcome::invalid;
     }
-    const int64_t period = sim::frame_period_ns(config_.sim);
-    for (size_t side = 0; side < 2; ++side) {
-      Image& image = *out[side];
-      std::memcpy(image.row<std::byte>(0), drawn_[side].data(), drawn_[side].size());
-      image.timestamp_ns = static_cast<int64_t>(frame_) * period;
-      image.flags |= flag_synthetic;
-      image.calibration_hash = simulator_->calibration().hash;
-    }
+    for (size_t side = 0; side < 2; ++side) std::memcpy(out[side]->row<std::byte>(0), drawn_[side].data(), drawn_[side].size());
     ++frame_;
     ready_ = false;
     lock.unlock();

@@ -6,6 +6,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "config/config.h"
 #include "daemon/core/driver.h"
@@ -22,6 +24,9 @@ class StereoSource : public ImageSource {
   virtual int64_t period_ns() const = 0;
   /// Where the last pair came from, left and right, for the dump; empty where images have no names.
   virtual std::pair<std::string, std::string> files() const { return {}; }
+  /// What was wrong with the last pair, or why a recording ended early: file and what, in one line. Empty where nothing was.
+  /// Valid until the next grab(); a good pair costs no allocation.
+  virtual std::string_view fault() const noexcept { return {}; }
   /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
   virtual void add_truth(Driver&, Handle) {}
 };

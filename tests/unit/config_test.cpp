@@ -176,7 +176,15 @@ TEST_F(ConfigFile, an_unknown_key_names_the_nearest) {
   EXPECT_EQ(complaints("[Floor]\nitrRansac=100\n"), "t.cfg:2: no parameter 'itrRansac' in [Floor], nearest is 'iterRansac'\n");
   EXPECT_EQ(complaints("[Floor]\niterransac=100\n"), "t.cfg:2: no parameter 'iterransac' in [Floor], nearest is 'iterRansac'\n");
   EXPECT_EQ(complaints("[main]\nitrRansac=100\n"), "t.cfg:2: no parameter 'itrRansac' in [main], nearest is 'iterRansac' in [Floor]\n");
-  EXPECT_EQ(complaints("[ipc]\nbroccoli=100\n"), "t.cfg:2: no parameter 'broccoli' in [ipc], there are memory, group\n");
+  EXPECT_EQ(complaints("[ipc]\nbroccoli=100\n"),
+            "t.cfg:2: no parameter 'broccoli' in [ipc], nearest is 'group', there are memory, group\n");
+  EXPECT_EQ(complaints("[image source]\nndsip=48\nwidht=64\n"),
+            "t.cfg:2: no parameter 'ndsip' in [image source], nearest is 'ndisp'\n"
+            "t.cfg:3: no parameter 'widht' in [image source], nearest is 'width'\n");
+  EXPECT_EQ(complaints("[Map]\nrnage=5\nragne=5\nclel=1\n"),
+            "t.cfg:2: no parameter 'rnage' in [Map], nearest is 'range'\n"
+            "t.cfg:3: no parameter 'ragne' in [Map], nearest is 'range'\n"
+            "t.cfg:4: no parameter 'clel' in [Map], nearest is 'cell'\n");
 }
 
 TEST_F(ConfigFile, a_key_in_the_wrong_section_names_its_own) {
@@ -203,6 +211,8 @@ TEST_F(ConfigFile, the_nearest_is_counted_in_letters) {
   EXPECT_EQ(edit_distance("ndisp", "disp"), 1u);
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
   EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("ndisp", "ndsip"), 1u) << "two neighbours swapped are one mistake";
+  EXPECT_EQ(edit_distance("ab", "BA"), 1u);
 }
 
 TEST_F(ConfigFile, a_key_twice_is_refused_with_both_lines) {
@@ -348,6 +358,13 @@ TEST_F(ConfigFile, contradictions_are_refused_where_the_last_of_their_values_sta
             "t.cfg:3: width = 320, must be 0 or the size of the simulated images: [sim] width = 640\n");
   EXPECT_NE(complaints("[image source]\nheight=8\n"), "");
   EXPECT_NE(complaints("[main]\nname=\"\"\n"), "");
+  EXPECT_EQ(complaints("[main]\nname=a,b\n"), "t.cfg:2: name = a,b, must be without commas, blanks and control characters\n");
+  EXPECT_NE(complaints("[main]\nname=\"a b\"\n"), "");
+  EXPECT_NE(complaints("", {"main.name=a\tb"}), "");
+  EXPECT_EQ(complaints("[image source]\nndisp=16\nminDisparity=-128\n"),
+            "t.cfg:3: ndisp = 16 with minDisparity = -128 searches beyond infinity alone, must end above 0\n");
+  EXPECT_NE(complaints("[image source]\nndisp=16\nminDisparity=-16\n"), "");
+  EXPECT_EQ(complaints("[image source]\nndisp=16\nminDisparity=-15\n"), "");
   EXPECT_NE(complaints("[main]\nname=" + std::string(101, 'a') + "\n"), "");
   EXPECT_EQ(complaints("[main]\nname=" + std::string(100, 'a') + "\n"), "");
 }

@@ -419,6 +419,19 @@ TEST(SimSource, sky_has_no_disparity_and_says_why) {
   EXPECT_GT(tree["truth/disparity"].row<int16_t>(200)[100], 0);
 }
 
+TEST(SimSource, a_frame_that_takes_long_is_waited_for) {
+  Config config;
+  config.sim = small("flat");
+  const auto source = open_sim(config, {VDISP_SLOW_SIMULATOR});
+  const std::vector<ImageSpec> specs = source->open();
+  BufferOutlet left(specs[0]), right(specs[1]);
+  for (int frame = 0; frame < 2; ++frame) {
+    Image* images[] = {Image::make(&left.loan(), specs[0]), Image::make(&right.loan(), specs[1])};
+    ASSERT_EQ(source->grab(images), Outcome::valid) << "frame " << frame;
+    EXPECT_EQ(images[1]->row<uint8_t>(0)[0], frame + 1);
+  }
+}
+
 TEST(SimSource, a_missing_renderer_is_said_with_the_places_looked_at) {
   try {
     open_sim(Config{}, {"/nowhere/bin", "/nowhere/lib"});
