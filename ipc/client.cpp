@@ -46,7 +46,7 @@ Client::~Client() {
 Connection Client::connection() {
   Implementation& self = *implementation_;
   const int64_t now = now_ns();
-  if (!self.only) return Connection::no_memory;
+  if (!self.only) return possible_name(self.instance) ? Connection::no_memory : Connection::wrong_name;
   self.service_until(now + connect_budget_ns);
   if (self.link.up() && !self.connected()) {
     const bool starting = now - self.connected_ns < 2'000'000'000;

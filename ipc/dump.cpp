@@ -3,11 +3,11 @@
 #include "ipc/dump.h"
 
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "ipc/dump_json.h"
 #include "ipc/records.h"
 
 namespace vdisp {
@@ -16,104 +16,8 @@ namespace {
 using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
+constexpr const char* line_csv_header = "column,row\n";
 constexpr uint8_t map_occupied = 0, map_unknown = 205;  // map_server's own values
-
-ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
-
-// A float says 0.1 where it means 0.1, not 0.10000000149.
-ordered_json number(float value) {
-  char text[32];
-  double shortest = static_cast<double>(value);
-  std::from_chars(text, std::to_chars(text, text + sizeof text, value).ptr, shortest);
-  return number(shortest);
-}
-
-const char* key(Rejected why) {
-  switch (why) {
-    case Rejected::low_texture: return "low_texture";
-    case Rejected::not_unique: return "not_unique";
-    case Rejected::left_right: return "left_right";
-    case Rejected::speckle: return "speckle";
-    case Rejected::outside: return "outside";
-    case Rejected::matcher: return "matcher";
-  }
-  return "unknown";
-}
-
-const char* state_word(FloorState state) { return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost"; }
-
-// A blind record's bytes are those of some earlier frame: nothing of them is told.
-ordered_json floor_json(const Image& image) {
-  const FloorModel* floor = image.valid() ? record_of<FloorModel>(image) : nullptr;
-  ordered_json json;
-  json["state"] = floor ? state_word(floor->state) : "lost";
-  json["model"] = "line";
-  const double none = NAN;
-  json["a"] = number(floor ? floor->a : none);
-  json["b"] = number(floor ? floor->b : none);
-  json["pitch_rad"] = number(floor ? floor->pitch_rad : none);
-  json["roll_rad"] = number(floor ? floor->roll_rad : none);
-  json["height_m"] = number(floor ? floor->height_m : none);
-  json["confidence"] = floor ? number(floor->confidence) : ordered_json(0.0);
-  json["reason"] = name(floor ? floor->reason : image.reason);
-  json["points"] = floor ? floor->points : 0;
-  json["mounting_differs"] = floor && floor->mounting_differs != 0;
-  return json;
-}
-
-ordered_json scene_json(const TruthScene& scene) {
-  static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock"};
-  ordered_json json{{"pitch_rad", number(scene.pitch_rad)},
-                    {"roll_rad", number(scene.roll_rad)},
-                    {"height_m", number(scene.height_m)},
-                    {"slope_rad", number(scene.slope_rad)},
-                    {"objects", ordered_json::array()}};
-  for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
-    const TruthObject& object = scene.objects[i];
-    const auto kind = static_cast<uint32_t>(object.kind);
-    json["objects"].push_back({{"number", i + 1},
-                               {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
-                               {"textured", object.textured != 0},
-                               {"x", number(object.x)},
-                               {"z", number(object.z)},
-                               {"width", number(object.width)},
-                               {"depth", number(object.depth)},
-                               {"height", number(object.height)},
-                               {"yaw", number(object.yaw)}});
-  }
-  return json;
-}
-
-ordered_json camera_json(const CameraGeometry& camera) {
-  return {{"f", number(camera.f)},
-          {"cx", number(camera.cx)},
-          {"cy", number(camera.cy)},
-          {"baseline", number(camera.baseline)},
-          {"cx_offset", number(camera.cx_offset)},
-          {"min_disparity", camera.min_disparity},
-          {"disparities", camera.disparities}};
-}
-
-ordered_json grid_json(const GridGeometry& grid) {
-  return {{"cell", number(grid.cell)},
-          {"origin_row", number(grid.origin_row)},
-          {"origin_column", number(grid.origin_column)},
-          {"view_left", number(grid.view_left)},
-          {"view_right", number(grid.view_right)},
-          {"min_count", grid.min_count},
-          {"pose", {number(grid.pose_x), number(grid.pose_y), number(grid.pose_yaw)}}};
-}
-
-ordered_json rejected_json(const Image& image) {
-  uint64_t counts[256] = {};
-  for (int y = 0; y < image.spec.height; ++y) {
-    const int16_t* row = image.row<int16_t>(y);
-    for (int x = 0; x < image.spec.width; ++x) ++counts[rejected_code(row[x])];
-  }
-  ordered_json json{{"measured", counts[0]}};
-  for (uint8_t code = 1; code <= static_cast<uint8_t>(Rejected::matcher); ++code) json[key(Rejected{code})] = counts[code];
-  return json;
-}
 
 /// A PNG whose samples are made from int16 pixels, row by row.
 template <class Sample, class Convert>
@@ -131,7 +35,7 @@ std::string plain(PngKind kind, const Image& image) {
 }
 
 std::string line_csv(const Image& image) {
-  std::string text = "column,row\n";
+  std::string text = line_csv_header;
   const int16_t* row = image.row<int16_t>(0);
   for (int x = 0; x < image.spec.width; ++x) {
     if (row[x] != line_none) text += std::to_string(x + 16 * image.camera.min_disparity) + "," + std::to_string(row[x]) + "\n";
@@ -208,6 +112,7 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   }
   json_->stages[topic] = {{"valid", image.valid()}, {"reason", name(image.reason)}};
   if (image.spec == record_spec<FloorModel>()) json_->floor = floor_json(image);
+  if (image.spec.pixel == Pixel::line16 && !image.valid()) add_file(topic + ".csv", line_csv_header);
   if (!image.valid()) return;
   if (const TruthScene* scene = record_of<TruthScene>(image)) json_->records["truth_scene"] = scene_json(*scene);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);
@@ -227,7 +132,7 @@ void FrameDump::add_picture(const std::string& topic, const Image& image) {
     case Pixel::disparity16:
       json_->rejected[topic] = rejected_json(image);
       add_file(topic + ".png", converted<uint16_t>(image, [](int d) { return d < 0 ? 0 : d; }));
-      return add_file(topic + "_reason.png", converted<uint8_t>(image, [](int16_t d) { return rejected_code(d); }));
+      return add_file(topic + "_reason.png", converted<uint8_t>(image, dumped_code));
     case Pixel::count16:
       add_file(topic + ".png", converted<uint16_t>(image, [](int count) { return count < 0 ? 0 : count; }));
       if (!grid) return;
@@ -241,7 +146,8 @@ void FrameDump::add_timing(std::string_view stage, int64_t ns) { json_->timing[s
 
 void FrameDump::finish(const std::string& left, const std::string& right) {
   ordered_json frame = json_->head;
-  frame["files"] = {{"left", left}, {"right", right}};
+  const auto known = [](const std::string& file) { return file.empty() ? ordered_json(nullptr) : ordered_json(file); };
+  frame["files"] = {{"left", known(left)}, {"right", known(right)}};
   frame["floor"] = json_->floor;
   frame.update(json_->records);
   frame["rejected"] = json_->rejected;

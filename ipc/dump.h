@@ -23,14 +23,15 @@ class FrameDump {
   FrameDump(const FrameDump&) = delete;
   FrameDump& operator=(const FrameDump&) = delete;
 
-  /// Pictures become files, records members of frame.json; of a blind image only its reason is written. `catalogue` and
+  /// Pictures become files, records members of frame.json; of a blind image only its reason is written, and of a blind line the
+  /// head of its table. `catalogue` and
   /// `heartbeat` tell of the daemon, not of the frame, and are passed over.
   void add(std::string_view topic, const Image& image);
   /// One more file in the frame's folder; folders in `name` are created.
   void add_file(const std::string& name, std::string_view bytes);
   /// Time that a stage took, for timing.json; without any there is no such file.
   void add_timing(std::string_view stage, int64_t ns);
-  /// `left`, `right`: names of the files the pair was read from, or empty.
+  /// `left`, `right`: names of the files the pair was read from; empty (null in the file) where that is not known.
   void finish(const std::string& left = {}, const std::string& right = {});
 
  private:

@@ -58,6 +58,7 @@ std::string_view name(Rejected why) {
     case Rejected::speckle: return "speckle";
     case Rejected::outside: return "outside";
     case Rejected::matcher: return "refused by the matcher";
+    case Rejected::infinity: return "at or beyond infinity";
   }
   return "unknown";
 }

@@ -30,6 +30,7 @@ enum class Rejected : uint8_t {
   speckle,          ///< part of too small an area (`SpeckleSize`, `SpeckleDiff`)
   outside,          ///< the window or the search leaves the image
   matcher,          ///< refused by the matcher, which does not say by which of its filters
+  infinity,         ///< not above 0: at or beyond infinity
 };
 inline constexpr int16_t rejected_base = -32000;
 constexpr int16_t rejected(Rejected why) { return static_cast<int16_t>(rejected_base - static_cast<int16_t>(why)); }

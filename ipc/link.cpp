@@ -52,6 +52,11 @@ std::string not_permitted(const std::string& path) {
          ", then log in again)";
 }
 
+std::string not_taken(int error) {
+  const bool full = error == EAGAIN || error == ENOBUFS;
+  return full ? "vdispd does not take messages: it hangs or is stopped" : "vdispd has just ended";
+}
+
 }  // namespace
 
 Link::Link() {
@@ -159,7 +164,7 @@ bool Link::advance(int64_t now_ns) {
   const auto version = static_cast<iox::cxx::Serialization>(iox::version::VersionInfo::getCurrentVersion());
   const IpcMessage request = IpcMessage() << word(IpcMessageType::REG) << name_ << std::to_string(getpid()) << std::to_string(getuid())
                                           << std::to_string(++stamp_) << version.toString();
-  if (!send(request.getMessage())) return fail(Connection::no_daemon, "vdispd does not take messages: it hangs, or has just ended");
+  if (!send(request.getMessage())) return fail(Connection::no_daemon, not_taken(errno));
   phase_ = Phase::registering;
   asked_ns_ = now_ns;
   if (!unanswered_) message_ = "vdispd is there and has not answered yet";
@@ -252,7 +257,7 @@ void Link::ask_port(const std::string& instance, const std::string& topic, int64
   if (send(request.getMessage()))
     asked_ns_ = now_ns;
   else
-    drop("vdispd does not take messages: it hangs, or has just ended");
+    drop(not_taken(errno));
 }
 
 std::optional<Link::Port> Link::port(int64_t now_ns) {

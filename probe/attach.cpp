@@ -2,32 +2,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "probe/attach.h"
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+
+#include "ipc/endpoint.h"
 
 namespace vdisp {
 namespace {
 
 volatile std::sig_atomic_t stop_requested = 0;
 
+// A daemon that is well finds a new reader in its next round, after 0.1 s on an idle machine; one that is stopped is known by 1 s of
+// silence, one of another name by 2 s.
+constexpr double answer_s = 2.5;
+
 void request_stop(int) { stop_requested = 1; }
 
 }  // namespace
 
 void attach(Client& client, const Options& options) {
+  const auto start = std::chrono::steady_clock::now();
   Connection connection = client.connection();
-  for (double waited = 0; connection == Connection::no_daemon && waited < options.wait_s && !stopped(); waited += 0.2) {
-    if (client.wait_for_daemon(Client::Time(200)))
-      connection = Connection::connected;
-    else
-      connection = client.connection();
+  while (connection == Connection::no_daemon && !stopped()) {
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+    const bool served = probe_socket(roudi_socket) == Probe::alive;
+    if (waited.count() >= (served ? std::max(options.wait_s, answer_s) : options.wait_s)) break;
+    connection = client.wait_for_daemon(Client::Time(200)) ? Connection::connected : client.connection();
   }
   switch (connection) {
     case Connection::connected: return;
     case Connection::no_daemon: throw ProbeError(69, client.message());
     case Connection::no_permission: throw ProbeError(77, client.message());
     case Connection::no_memory: throw ProbeError(71, client.message());
+    case Connection::wrong_name: throw ProbeError(64, client.message());
   }
 }
 
@@ -37,6 +47,15 @@ std::vector<CatalogueEntry> topics_of(Client& client) {
     if (!topics.empty()) return topics;
   }
   throw ProbeError(69, "the daemon sent no catalogue of its stages within 5 s; is it still starting, or stopped?");
+}
+
+void require(const std::vector<CatalogueEntry>& topics, const std::string& topic) {
+  std::string all;
+  for (const CatalogueEntry& entry : topics) {
+    if (name_of(entry) == topic) return;
+    if (name_of(entry) != "catalogue" && name_of(entry) != "heartbeat") all += " " + std::string(name_of(entry));
+  }
+  throw ProbeError(64, "the daemon has no stage '" + topic + "'; it has" + all);
 }
 
 std::string_view name_of(const CatalogueEntry& entry) { return {entry.name, strnlen(entry.name, sizeof entry.name)}; }

@@ -11,11 +11,14 @@
 
 namespace vdisp {
 
-/// Connects, waiting at most options.wait_s. Throws ProbeError: 69 no daemon, 71 no shared memory, 77 no permission.
+/// Connects, waiting at most options.wait_s, and 2.5 s for a daemon that is there. Throws ProbeError: 64 no possible name, 69 no
+/// daemon, 71 no shared memory, 77 no permission.
 void attach(Client& client, const Options& options);
 
 /// The daemon's topics. Throws ProbeError (69) where it does not tell them in time.
 std::vector<CatalogueEntry> topics_of(Client& client);
+/// Throws ProbeError (64), which lists the topics, where `topic` is none of them.
+void require(const std::vector<CatalogueEntry>& topics, const std::string& topic);
 /// Its name, also where the terminating zero is missing.
 std::string_view name_of(const CatalogueEntry& entry);
 

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/dump.h"
 
-#include <cstdio>
-
 #include "probe/frame_set.h"
 #include "probe/paint.h"
+#include "probe/terminal.h"
 
 namespace vdisp {
 
@@ -30,7 +29,7 @@ int dump(const Options& options) {
     set.release();
     frame.finish();
   }
-  std::printf("%llu frames of %zu stages in %s\n", static_cast<unsigned long long>(written), set.size(), options.output.c_str());
+  print(std::to_string(written) + " frames of " + std::to_string(set.size()) + " stages in " + options.output.string() + "\n");
   return 0;
 }
 

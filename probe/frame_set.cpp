@@ -17,12 +17,7 @@ std::vector<std::string> choose(const std::vector<CatalogueEntry>& entries, cons
     if (name_of(entry) != "catalogue" && name_of(entry) != "heartbeat") offered.emplace_back(name_of(entry));
   }
   if (wanted.empty()) return offered;
-  for (const std::string& topic : wanted) {
-    if (std::find(offered.begin(), offered.end(), topic) != offered.end()) continue;
-    std::string all;
-    for (const std::string& name : offered) all += " " + name;
-    throw ProbeError(64, "the daemon has no stage '" + topic + "'; it has" + all);
-  }
+  for (const std::string& topic : wanted) require(entries, topic);
   return wanted;
 }
 

@@ -1,7 +1,7 @@
 // list.cpp: vdisp-probe list: what the daemon offers.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <iostream>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "probe/attach.h"
@@ -12,7 +12,7 @@
 namespace vdisp {
 namespace {
 
-void print_json(const std::vector<CatalogueEntry>& entries) {
+std::string json_of(const std::vector<CatalogueEntry>& entries) {
   nlohmann::ordered_json topics = nlohmann::ordered_json::array();
   for (const CatalogueEntry& entry : entries) {
     nlohmann::ordered_json parents = nlohmann::ordered_json::array();
@@ -33,25 +33,26 @@ void print_json(const std::vector<CatalogueEntry>& entries) {
                       {"mean_ns", entry.mean_ns},
                       {"max_ns", entry.max_ns}});
   }
-  std::cout << topics.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+  return topics.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-void print_tree(const std::vector<CatalogueEntry>& entries) {
+std::string table_of(const std::vector<CatalogueEntry>& entries) {
   const bool ascii = !utf8_terminal();
   const std::vector<TreeLine> lines = tree_of(entries, ascii);
   const auto label = [&](const TreeLine& line) { return line.branch + std::string(name_of(entries[line.entry])); };
   size_t width = 5;
   for (const TreeLine& line : lines) width = std::max(width, letters(label(line)));
-  std::printf("%-*s  %-20s %7s %9s %9s\n", static_cast<int>(width), "topic", "format", "watched", "runs", "mean ms");
+  const auto padded = [&](const std::string& text) { return text + std::string(width - letters(text), ' '); };
+  std::string table = padded("topic") + "  format               watched      runs   mean ms\n";
   for (const TreeLine& line : lines) {
     const CatalogueEntry& entry = entries[line.entry];
-    const std::string text = label(line);
-    char mean[16] = "-";
+    char columns[128], mean[16] = "-";
     if (entry.runs) std::snprintf(mean, sizeof mean, "%.2f", static_cast<double>(entry.mean_ns) / 1e6);
-    std::printf("%s%*s  %-20s %7s %9llu %9s  %s\n", text.c_str(), static_cast<int>(width - letters(text)), "",
-                spec_words(entry.spec).c_str(), entry.watched ? "yes" : "-", static_cast<unsigned long long>(entry.runs), mean,
-                line.also.c_str());
+    std::snprintf(columns, sizeof columns, "  %-20s %7s %9llu %9s  ", spec_words(entry.spec).c_str(), entry.watched ? "yes" : "-",
+                  static_cast<unsigned long long>(entry.runs), mean);
+    table += padded(label(line)) + columns + line.also + "\n";
   }
+  return table;
 }
 
 }  // namespace
@@ -61,10 +62,7 @@ int list(const Options& options) {
   Client client(options.name);
   attach(client, options);
   const std::vector<CatalogueEntry> entries = topics_of(client);
-  if (options.json)
-    print_json(entries);
-  else
-    print_tree(entries);
+  print(options.json ? json_of(entries) : table_of(entries));
   return 0;
 }
 

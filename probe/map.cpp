@@ -99,7 +99,7 @@ int print_once(Client& client, const std::string& name, const Options& options) 
     take(shown, client.wait(topic, Client::Time(100)), name);
     if (!shown.reading.image || shown.reading.trust == Trust::stale) continue;
     const bool colour = isatty(STDOUT_FILENO) == 1;
-    std::fputs(options.json ? json_line(shown).c_str() : page(shown, {0, 0, colour, colour && utf8_terminal(), false}).c_str(), stdout);
+    print(options.json ? json_line(shown) : page(shown, {0, 0, colour, colour && utf8_terminal(), false}));
     return 0;
   }
   if (stopped()) return 0;
@@ -113,6 +113,7 @@ int map(const Options& options) {
   Client client(options.name);
   attach(client, options);
   const std::string name = options.topics.empty() ? "map" : options.topics.front();
+  require(topics_of(client), name);
   if (options.once) return print_once(client, name, options);
   const Client::Topic topic = client.subscribe(name);
   Shown shown;

@@ -172,7 +172,8 @@ Colour colour_of(Palette palette, double value) {
 }
 
 Colour rejected_colour(uint8_t code) {
-  constexpr std::array<Colour, 7> muted{{{0, 0, 0}, {58, 50, 78}, {86, 70, 40}, {38, 76, 74}, {96, 46, 58}, {30, 32, 38}, {64, 66, 70}}};
+  constexpr std::array<Colour, 8> muted{
+      {{0, 0, 0}, {58, 50, 78}, {86, 70, 40}, {38, 76, 74}, {96, 46, 58}, {30, 32, 38}, {64, 66, 70}, {22, 40, 86}}};
   return muted[code < muted.size() ? code : 6];
 }
 

@@ -1,11 +1,9 @@
 // sheet.cpp: vdisp-probe sheet: all stages of one frame on one page.
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cstdio>
-
 #include "ipc/png.h"
 #include "probe/contact_sheet.h"
 #include "probe/frame_set.h"
+#include "probe/terminal.h"
 
 namespace vdisp {
 
@@ -19,7 +17,7 @@ int sheet(const Options& options) {
   for (size_t i = 0; i < set.size(); ++i) entries.push_back({set.name(i), &set.image(i)});
   const Picture page = contact_sheet(entries, set.picture_rows());
   write_file(options.output, encode_png(PngKind::rgb8, page.width(), page.height(), [&](int y) { return page.row(y); }));
-  std::printf("%s: frame %llu, %zu stages\n", options.output.c_str(), static_cast<unsigned long long>(set.image(0).sequence), set.size());
+  print(options.output.string() + ": frame " + std::to_string(set.image(0).sequence) + ", " + std::to_string(set.size()) + " stages\n");
   return 0;
 }
 

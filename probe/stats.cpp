@@ -126,7 +126,7 @@ int print_once(Client& client, Client::Topic topic, bool as_json) {
   for (int tries = 0; tries < 50 && !stopped(); ++tries) {
     const Reading reading = client.wait(topic, Client::Time(100));
     if (!history.take(reading)) continue;
-    std::fputs(report(history, reading, as_json).c_str(), stdout);
+    print(report(history, reading, as_json));
     return 0;
   }
   if (stopped()) return 0;

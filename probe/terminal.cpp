@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <clocale>
-#include <cstdio>
 #include <cstring>
+
+#include "probe/attach.h"
 
 namespace vdisp {
 namespace {
@@ -21,12 +23,20 @@ winsize size() {
   return window;
 }
 
-void put(std::string_view text) {
+/// 0, or why it cannot be written. A signal that asks us to end also ends a wait for a slow terminal or pipe.
+int put(std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = write(STDOUT_FILENO, text.data(), text.size());
-    if (written <= 0) return;  // the terminal is gone, or a signal asks us to end
-    text.remove_prefix(static_cast<size_t>(written));
+    const int error = written < 0 ? errno : written == 0 ? ENOSPC : 0;
+    if (error == EAGAIN) {  // somebody who shares the terminal made it non-blocking
+      pollfd output{STDOUT_FILENO, POLLOUT, 0};
+      poll(&output, 1, 100);
+    }
+    const bool passing = (error == EINTR || error == EAGAIN) && !stopped();
+    if (error && !passing) return error;
+    if (!error) text.remove_prefix(static_cast<size_t>(written));
   }
+  return 0;
 }
 
 }  // namespace
@@ -38,6 +48,11 @@ bool utf8_terminal() {
 
 size_t letters(std::string_view text) {
   return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+void print(std::string_view text) {
+  const int error = put(text);
+  if (error && !stopped()) throw ProbeError(74, std::string("the output cannot be written: ") + std::strerror(error));
 }
 
 LiveScreen::LiveScreen() : live_(isatty(STDOUT_FILENO) == 1) {
@@ -64,10 +79,7 @@ int LiveScreen::columns() const { return size().ws_col; }
 int LiveScreen::rows() const { return size().ws_row; }
 
 void LiveScreen::show(const std::string& text) {
-  if (!live_) {
-    put(text);
-    return;
-  }
+  if (!live_) return print(text);
   std::string out = "\x1b[H";
   int room = rows();
   for (size_t at = 0; at < text.size() && room > 0; --room) {
@@ -75,7 +87,7 @@ void LiveScreen::show(const std::string& text) {
     out += text.substr(at, end - at) + "\x1b[0m\x1b[K" + (room > 1 ? "\r\n" : "");
     at = end + 1;
   }
-  put(out + "\x1b[0m\x1b[J");
+  print(out + "\x1b[0m\x1b[J");
 }
 
 char LiveScreen::key(int limit_ms) {

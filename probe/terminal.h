@@ -14,6 +14,9 @@ bool utf8_terminal();
 /// Letters of a UTF-8 text, which may be fewer than its bytes.
 size_t letters(std::string_view text);
 
+/// Writes all of it to stdout. Throws ProbeError (74) where that is not possible.
+void print(std::string_view text);
+
 /// While it lives: another screen, no cursor, keys at once. Where stdout is no terminal it does nothing.
 class LiveScreen {
  public:
@@ -25,7 +28,7 @@ class LiveScreen {
   bool live() const { return live_; }
   int columns() const;
   int rows() const;
-  /// Replaces what is shown; lines end with \n.
+  /// Replaces what is shown; lines end with \n. Throws ProbeError (74) where stdout takes nothing.
   void show(const std::string& text);
   /// The key pressed within the time limit, 0 for none; a signal ends the wait.
   char key(int limit_ms);

@@ -26,10 +26,10 @@ class Viewer {
   Viewer(Client& client, const Options& options) : client_(client), window_("vdisp-probe " + options.name, 960, 620) {
     const std::string first = options.topics.empty() ? "" : options.topics.front();
     take_catalogue(first.empty() ? client.topics(Client::Time(1500)) : topics_of(client));
+    if (!first.empty()) require(state_.entries, first);
     for (size_t i = 0; i < state_.entries.size(); ++i) {
       if (name_of(state_.entries[i]) == first) show(static_cast<int>(i));
     }
-    if (!first.empty() && topic_name_ != first) throw ProbeError(64, "the daemon has no stage '" + first + "'; see vdisp-probe list");
   }
 
   void run() {

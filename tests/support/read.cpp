@@ -111,7 +111,7 @@ int connect_once(Client& client, double seconds) {
   const bool connected = client.wait_for_daemon(milliseconds(static_cast<int>(seconds * 1e3)));
   std::printf("%s after %.3f s: %s\n", connected ? "connected" : "not connected", static_cast<double>(monotonic_ns() - start) * 1e-9,
               client.message().c_str());
-  const int code[] = {0, 69, 77, 71};
+  const int code[] = {0, 69, 77, 71, 64};
   return connected ? 0 : code[static_cast<int>(client.connection())];
 }
 

@@ -23,6 +23,17 @@ kill $(jobs -p); wait 2>/dev/null
 $BIN/vdisp-reader impostor 2 & sleep 0.2
 refused 69 "served by another program"
 wait
+# iceoryx's own RouDi, as another program on the rover may have started it: refused by the daemon, and no daemon to a reader
+if command -v iox-roudi > /dev/null; then
+  iox-roudi > $WORK/roudi 2>&1 & ROUDI=$!; wait_for $WORK/roudi "ready for clients"
+  refused 69 "iox-roudi, pid $ROUDI"
+  timeout 5 "${DAEMON[@]}" --frames 1 > $WORK/out 2> $WORK/err; [ $? = 69 ] && grep "iox-roudi, pid $ROUDI" $WORK/err || fail "vdispd beside iox-roudi: $(cat $WORK/err)"
+  $BIN/vdisp-probe list > $WORK/out 2>&1; [ $? = 69 ] && grep "is it no vdispd" $WORK/out || fail "vdisp-probe with iox-roudi: $(cat $WORK/out)"
+  kill -TERM $ROUDI; wait $ROUDI 2>/dev/null
+  rm -f /tmp/roudi* /tmp/*.lock /dev/shm/*
+else
+  echo "not tested: iox-roudi (Debian package iceoryx) is not installed"
+fi
 mount -t tmpfs -o size=60m,mode=1777 none /dev/shm
 refused 71 "60 MiB free.*needed are 73 MiB"
 umount /dev/shm

@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import termios
 import time
 import unittest
@@ -34,6 +35,9 @@ class Probe(ProgramTest):
         self.assert_refused(run("vdisp-probe", "dump"), 64, "DIR")
         self.assert_refused(run("vdisp-probe", "dump", "x", "--frames", "0"), 64, "--frames")
 
+    def test_a_name_that_no_daemon_can_have_is_64(self):
+        self.assert_refused(run("vdisp-probe", "list", "--name", "a,b"), 64, "'a,b'", "no comma")
+
     def test_without_a_daemon_every_word_is_69_and_writes_nothing(self):
         for word in WORDS:
             with self.subTest(word=word[0]):
@@ -46,6 +50,41 @@ class Probe(ProgramTest):
             self.assertIsNone(probe.process.poll())
             self.publisher()
             self.assertEqual(probe.process.wait(10), 0, probe.text())
+
+    def test_a_healthy_daemon_answers_every_call_also_on_a_busy_machine(self):
+        self.publisher()
+        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
+        try:
+            for i in range(30):
+                result = run("vdisp-probe", "list")
+                self.assertEqual(result.returncode, 0, f"call {i}: {result.stderr}")
+        finally:
+            for process in busy:
+                process.kill()
+                process.wait()
+
+    def test_a_stopped_daemon_and_one_of_another_name_are_told_apart(self):
+        daemon = self.publisher()
+        self.assert_refused(run("vdisp-probe", "list", "-n", "other"), 69, "'other'", "[main] name of vdispd another")
+        daemon.process.send_signal(signal.SIGSTOP)
+        try:
+            for word in WORDS:
+                with self.subTest(word=word[0]):
+                    start = time.monotonic()
+                    self.assert_refused(run("vdisp-probe", *word, cwd=self.folder), 69, "hangs or is stopped")
+                    self.assertLess(time.monotonic() - start, 5)
+        finally:
+            daemon.process.send_signal(signal.SIGCONT)
+        self.assertEqual(run("vdisp-probe", "list").returncode, 0)
+
+    def test_output_that_cannot_be_written_is_74(self):
+        self.publisher()
+        for word in (["list"], ["list", "--json"], ["stats", "--once"], ["map", "--once"], ["dump", "x"], ["sheet", "x.png"],
+                     ["stats"], ["stats", "--json"], ["map"], ["map", "--json"]):
+            with self.subTest(word=word), open("/dev/full", "w") as full:
+                command = [BIN / "vdisp-probe", *word]
+                result = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=20, cwd=self.folder)
+                self.assert_refused(result, 74, "output", "No space left")
 
     def test_list_tells_the_tree_also_as_json(self):
         self.publisher()
@@ -88,7 +127,10 @@ class Probe(ProgramTest):
     def test_map_refuses_a_stage_that_is_none(self):
         self.publisher()
         self.assert_refused(run("vdisp-probe", "map", "--once", "--stage", "left"), 64, "left", "gray8")
-        self.assert_refused(run("vdisp-probe", "map", "--once", "--stage", "nosuch"), 69, "nosuch")
+        for once in ([], ["--once"]):
+            start = time.monotonic()
+            self.assert_refused(run("vdisp-probe", "map", *once, "--stage", "nosuch"), 64, "nosuch", "left copy floor_model map")
+            self.assertLess(time.monotonic() - start, 4)
 
     def test_a_blind_map_says_why_and_shows_no_cell(self):
         self.publisher("--blind")
@@ -106,6 +148,7 @@ class Probe(ProgramTest):
         for n in range(3):
             frame = self.frame(self.folder / "out", n)
             sequences.append(frame["sequence"])
+            self.assertEqual(frame["files"], {"left": None, "right": None})  # the daemon knows them, its images do not
             # The publisher writes its sequence into the picture, and its obstacle into that row of the map.
             for stage in ("left", "copy"):
                 picture = cv2.imread(str(self.folder / f"out/{n:06d}/{stage}.png"), cv2.IMREAD_UNCHANGED)
@@ -206,7 +249,7 @@ class View(ProgramTest):
 
     def test_a_stage_that_does_not_exist_is_64(self):
         with Running("vdisp-publish", stdout=subprocess.DEVNULL):
-            self.assert_refused(run("vdisp-probe", "view", "--wait", "10", "--stage", "nosuch", env=self.display), 64, "nosuch")
+            self.assert_refused(run("vdisp-probe", "view", "--wait", "10", "--stage", "nosuch", env=self.display), 64, "nosuch", "left copy")
 
     def test_arrows_page_through_the_stages_s_saves_and_q_ends(self):
         with Running("vdisp-publish", stdout=subprocess.DEVNULL):

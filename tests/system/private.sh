@@ -10,8 +10,12 @@ if [ -z "$VDISP_PRIVATE" ]; then
 fi
 BIN=$1
 mount --make-rprivate / && mount -t tmpfs -o mode=1777 none /dev/shm && mount -t tmpfs -o mode=1777 none /tmp || exit 77
-WORK=/tmp/work && mkdir $WORK && cp "$BIN"/vdisp-* $WORK && chmod -R a+rx $WORK && BIN=$WORK  # also for users who cannot see the build
+WORK=/tmp/work && mkdir $WORK && cp "$BIN"/vdisp-* "$BIN"/vdispd "$BIN"/vdisp_sim.so $WORK && chmod -R a+rx $WORK && BIN=$WORK  # also for users who cannot see the build
 trap 'kill -9 $(jobs -p) 2>/dev/null; wait 2>/dev/null' EXIT
+# The daemon itself, small and at 30 Hz; a test may put more options behind these.
+DAEMON=("$BIN/vdispd" --sim --set sim.width=160 --set sim.height=120 --set "image source.ndisp=32" --set sim.rate=30)
+READY="vdispd: ready"   # on stderr, after the first step
+stamped() { while IFS= read -r line; do echo "${EPOCHREALTIME/./} $line"; done; }
 fail() { echo "FAILED: $*"; exit 1; }
 # The number behind WORD in FILE, the last one.
 value() { sed -n "s/.*\b$2 \([0-9.]*\).*/\1/p" "$1" | tail -1; }

@@ -91,11 +91,15 @@ TEST_F(DumpTest, disparities_and_the_reasons_of_the_others_are_two_pictures) {
   EXPECT_EQ(values.bits, 16);
   EXPECT_EQ(values.width, 3);
   EXPECT_EQ(values.pixels, (Pixels{16, 767, 0, 0, 0, 0}));
-  EXPECT_EQ(read_png(root_ / "000000/disparity_reason.png").pixels, (Pixels{0, 0, 1, 6, 0, 0}));
+  EXPECT_EQ(read_png(root_ / "000000/disparity_reason.png").pixels, (Pixels{0, 0, 1, 6, 7, 7}))
+      << "not above 0 is 7: no value is told without a reason";
   const auto frame = nlohmann::json::parse(read(root_ / "000000/frame.json"));
   EXPECT_EQ(frame["rejected"]["disparity"]["low_texture"], 1);
   EXPECT_EQ(frame["rejected"]["disparity"]["matcher"], 1);
-  EXPECT_EQ(frame["rejected"]["disparity"]["measured"], 4);
+  EXPECT_EQ(frame["rejected"]["disparity"]["measured"], 2);
+  EXPECT_EQ(frame["rejected"]["disparity"]["infinity"], 2);
+  EXPECT_TRUE(frame["files"]["left"].is_null()) << "a name that is not known is null";
+  EXPECT_TRUE(frame["files"]["right"].is_null());
 }
 
 TEST_F(DumpTest, other_pictures_keep_their_values) {
@@ -189,8 +193,11 @@ TEST_F(DumpTest, truth_of_the_simulator_becomes_a_member_with_its_objects) {
   EXPECT_EQ(frame["truth_scene"]["objects"][0]["z"], 2.0);
 }
 
-TEST_F(DumpTest, blind_images_leave_their_reason_and_no_picture) {
+TEST_F(DumpTest, blind_images_leave_their_reason_and_no_picture_and_an_empty_line) {
   BufferOutlet gray({Pixel::gray8, 0, 2, 1}), model(record_spec<FloorModel>()), map({Pixel::count16, 0, 3, 2});
+  BufferOutlet line({Pixel::line16, 0, 2, 1});
+  set<int16_t>(line, {470, 471});
+  line.loan().set_blind(Reason::few_points);
   make_record<FloorModel>(model.loan()).a = 3;
   model.loan().set_blind(Reason::few_points);
   map.loan().set_blind(Reason::few_points);
@@ -198,6 +205,7 @@ TEST_F(DumpTest, blind_images_leave_their_reason_and_no_picture) {
   dump.add("left", gray.loan());
   dump.add("floor_model", model.loan());
   dump.add("map", map.loan());
+  dump.add("floor", line.loan());
   dump.finish();
   const auto frame = nlohmann::json::parse(read(root_ / "000000/frame.json"));
   EXPECT_EQ(frame["valid"], false);
@@ -210,6 +218,7 @@ TEST_F(DumpTest, blind_images_leave_their_reason_and_no_picture) {
   EXPECT_TRUE(fs::exists(root_ / "000000/left.png"));
   EXPECT_FALSE(fs::exists(root_ / "000000/map.png"));
   EXPECT_FALSE(fs::exists(root_ / "000000/map.pgm"));
+  EXPECT_EQ(read(root_ / "000000/floor.csv"), "column,row\n") << "a line that is not there is a table without rows";
 }
 
 TEST_F(DumpTest, equal_images_give_equal_bytes_and_times_go_to_a_file_of_their_own) {

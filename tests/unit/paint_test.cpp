@@ -68,7 +68,7 @@ TEST(Paint, disparity_scale_spans_the_search_range) {
 }
 
 TEST(Paint, each_reason_of_rejection_has_a_muted_colour_of_its_own) {
-  for (uint8_t a = 1; a <= 6; ++a) {
+  for (uint8_t a = 1; a <= static_cast<uint8_t>(Rejected::infinity); ++a) {
     const Colour colour = rejected_colour(a);
     EXPECT_LT(std::max({colour.r, colour.g, colour.b}), 100) << "reason " << int{a};
     for (uint8_t b = 1; b < a; ++b) EXPECT_NE(colour, rejected_colour(b)) << int{a} << " and " << int{b};

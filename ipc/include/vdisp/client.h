@@ -27,6 +27,7 @@ enum class Connection {
   no_daemon,      ///< nothing to connect to (exit code 69)
   no_permission,  ///< not in the reader group (77)
   no_memory,      ///< the machine or iceoryx has no room for one more reader (71)
+  wrong_name,     ///< no daemon can have the name that was asked for (64)
 };
 
 /// One look at one topic. `image` is read-only shared memory, checked (magic, version, size), and stays valid until the next call

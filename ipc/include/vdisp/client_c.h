@@ -14,7 +14,7 @@ typedef struct vdisp_client vdisp_client;
 typedef struct vdisp_image vdisp_image; /* read-only shared memory */
 
 typedef enum { VDISP_FRESH, VDISP_BLIND, VDISP_STALE, VDISP_DEAD } vdisp_trust;
-typedef enum { VDISP_CONNECTED, VDISP_NO_DAEMON, VDISP_NO_PERMISSION, VDISP_NO_MEMORY } vdisp_connection;
+typedef enum { VDISP_CONNECTED, VDISP_NO_DAEMON, VDISP_NO_PERMISSION, VDISP_NO_MEMORY, VDISP_WRONG_NAME } vdisp_connection;
 
 typedef struct {
   const vdisp_image* image; /* null: nothing has arrived yet */

@@ -1,0 +1,120 @@
+// dump_json.cpp: what is no picture in a dump, as members of frame.json.
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/dump_json.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <string>
+
+namespace vdisp {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+
+// A float says 0.1 where it means 0.1, not 0.10000000149.
+ordered_json number(float value) {
+  char text[32];
+  double shortest = static_cast<double>(value);
+  std::from_chars(text, std::to_chars(text, text + sizeof text, value).ptr, shortest);
+  return number(shortest);
+}
+
+const char* key(Rejected why) {
+  switch (why) {
+    case Rejected::low_texture: return "low_texture";
+    case Rejected::not_unique: return "not_unique";
+    case Rejected::left_right: return "left_right";
+    case Rejected::speckle: return "speckle";
+    case Rejected::outside: return "outside";
+    case Rejected::matcher: return "matcher";
+    case Rejected::infinity: return "infinity";
+  }
+  return "unknown";
+}
+
+const char* state_word(FloorState state) { return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost"; }
+
+}  // namespace
+
+ordered_json floor_json(const Image& image) {
+  const FloorModel* floor = image.valid() ? record_of<FloorModel>(image) : nullptr;
+  ordered_json json;
+  json["state"] = floor ? state_word(floor->state) : "lost";
+  json["model"] = "line";
+  const double none = NAN;
+  json["a"] = number(floor ? floor->a : none);
+  json["b"] = number(floor ? floor->b : none);
+  json["pitch_rad"] = number(floor ? floor->pitch_rad : none);
+  json["roll_rad"] = number(floor ? floor->roll_rad : none);
+  json["height_m"] = number(floor ? floor->height_m : none);
+  json["confidence"] = floor ? number(floor->confidence) : ordered_json(0.0);
+  json["reason"] = name(floor ? floor->reason : image.reason);
+  json["points"] = floor ? floor->points : 0;
+  json["mounting_differs"] = floor && floor->mounting_differs != 0;
+  return json;
+}
+
+ordered_json scene_json(const TruthScene& scene) {
+  static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock"};
+  ordered_json json{{"pitch_rad", number(scene.pitch_rad)},
+                    {"roll_rad", number(scene.roll_rad)},
+                    {"height_m", number(scene.height_m)},
+                    {"slope_rad", number(scene.slope_rad)},
+                    {"objects", ordered_json::array()}};
+  for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
+    const TruthObject& object = scene.objects[i];
+    const auto kind = static_cast<uint32_t>(object.kind);
+    json["objects"].push_back({{"number", i + 1},
+                               {"kind", kinds[kind < std::size(kinds) ? kind : 0]},
+                               {"textured", object.textured != 0},
+                               {"x", number(object.x)},
+                               {"z", number(object.z)},
+                               {"width", number(object.width)},
+                               {"depth", number(object.depth)},
+                               {"height", number(object.height)},
+                               {"yaw", number(object.yaw)}});
+  }
+  return json;
+}
+
+ordered_json camera_json(const CameraGeometry& camera) {
+  return {{"f", number(camera.f)},
+          {"cx", number(camera.cx)},
+          {"cy", number(camera.cy)},
+          {"baseline", number(camera.baseline)},
+          {"cx_offset", number(camera.cx_offset)},
+          {"min_disparity", camera.min_disparity},
+          {"disparities", camera.disparities}};
+}
+
+ordered_json grid_json(const GridGeometry& grid) {
+  return {{"cell", number(grid.cell)},
+          {"origin_row", number(grid.origin_row)},
+          {"origin_column", number(grid.origin_column)},
+          {"view_left", number(grid.view_left)},
+          {"view_right", number(grid.view_right)},
+          {"min_count", grid.min_count},
+          {"pose", {number(grid.pose_x), number(grid.pose_y), number(grid.pose_yaw)}}};
+}
+
+uint8_t dumped_code(int16_t disparity) {
+  if (const uint8_t code = rejected_code(disparity)) return code;
+  return disparity > 0 ? uint8_t{0} : static_cast<uint8_t>(Rejected::infinity);
+}
+
+ordered_json rejected_json(const Image& image) {
+  uint64_t counts[256] = {};
+  for (int y = 0; y < image.spec.height; ++y) {
+    const int16_t* row = image.row<int16_t>(y);
+    for (int x = 0; x < image.spec.width; ++x) ++counts[dumped_code(row[x])];
+  }
+  ordered_json json{{"measured", counts[0]}};
+  for (uint8_t code = 1; code <= static_cast<uint8_t>(Rejected::infinity); ++code) json[key(Rejected{code})] = counts[code];
+  return json;
+}
+
+}  // namespace vdisp

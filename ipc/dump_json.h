@@ -1,0 +1,25 @@
+// dump_json.h: the members of a dump's frame.json.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "ipc/image.h"
+#include "ipc/records.h"
+
+namespace vdisp {
+
+/// `floor`, of an image that holds a FloorModel. Blind, its bytes are those of some earlier frame: nothing of them is told.
+nlohmann::ordered_json floor_json(const Image& image);
+nlohmann::ordered_json scene_json(const TruthScene& scene);
+nlohmann::ordered_json camera_json(const CameraGeometry& camera);
+nlohmann::ordered_json grid_json(const GridGeometry& grid);
+
+/// Code of a pixel in STAGE_reason.png, 0 where STAGE.png has a value: as rejected_code(), but a disparity that is not above 0
+/// cannot be told from none there, and counts as Rejected::infinity.
+uint8_t dumped_code(int16_t disparity);
+/// How many pixels of a disparity image have each code.
+nlohmann::ordered_json rejected_json(const Image& image);
+
+}  // namespace vdisp
