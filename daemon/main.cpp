@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sysexits.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -27,7 +28,11 @@ volatile std::sig_atomic_t stop_asked = 0;
 /// One run: everything is built in the constructor, which may throw; after it nothing allocates, but for the dump.
 class Run {
  public:
-  explicit Run(const Options& options) : options_(options), config_(options.config), edges_(config_), driver_(epoch()) {
+  explicit Run(const Options& options)
+      : options_(options),
+        config_(options.config),
+        edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
+        driver_(epoch()) {
     cv::setNumThreads(config_.main.threads);
     auto source = open_source(config_);
     source_ = source.get();
@@ -41,14 +46,19 @@ class Run {
       edges_.see(topic, image);
       if (dump_) dump_->see(topic, image);
     });
-    log::debug("{} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
   }
 
   /// Frames until the source ends, --frames is reached or a signal asks.
   void loop() {
     int64_t due = monotonic_ns();
-    while (!stop_asked && driver_.step() != Outcome::end) {
+    while (!stop_asked) {
+      if (driver_.step() == Outcome::end) {
+        if (!source_->fault().empty()) log::warn("{}", source_->fault());
+        break;
+      }
       driver_.beat();
+      if (driver_.steps() == 1)
+        log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) {
         const auto [left, right] = source_->files();
         dump_->finish_frame(driver_, left, right);
@@ -62,6 +72,7 @@ class Run {
 
   /// Readers survive only this way of ending (ipc/shm.h).
   void leave(int exit_code) {
+    alarm(2);  // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
     log::stop();
     if (shared_) SharedMemory::leave(exit_code);
@@ -121,7 +132,7 @@ class Run {
 int main(int argc, char** argv) {
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
-  for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_asked = 1; });
+  for (int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { stop_asked = 1; });
   std::signal(SIGPIPE, SIG_IGN);
   log::start(parsed.options.config.main.debug);
   std::optional<Run> run;

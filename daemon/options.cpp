@@ -5,13 +5,44 @@
 #include <sysexits.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
+
+#include "daemon/tree.h"
+#include "ipc/shm.h"
 
 namespace vdisp {
 namespace {
 
 constexpr const char* installed_config = "/etc/vdisp/vdisp.cfg";
+
+std::string whole_number(const std::string& text) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool good = error == std::errc() && end == text.data() + text.size() && value > 0;
+  return good ? "" : "'" + text + "' must be a whole number from 1";
+}
+
+std::string not_empty(const std::string& text) { return text.empty() ? "is empty; needed is a path" : ""; }
+
+/// What the pools of the shared memory will hold, as comments, where the source can be opened here.
+void print_memory(std::ostream& out, const Config& config) {
+  try {
+    Driver driver(0);
+    build_tree(driver, open_source(config), config);
+    TopicList topics;
+    for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
+    std::ostringstream pools;
+    print_pools(pools, topics);
+    out << "\n# Shared memory of this tree:\n";
+    std::istringstream lines(pools.str());
+    for (std::string line; std::getline(lines, line);) out << "# " << line << '\n';
+  } catch (const std::exception& error) {
+    out << "\n# Shared memory: not known, for the source cannot be opened: " << error.what() << '\n';
+  }
+}
 
 /// 0, or the exit code after all complaints have been said.
 int read(const std::string& file, std::vector<std::string> sets, bool sim, Config& config) {
@@ -39,11 +70,13 @@ Parsed parse_options(int argc, char** argv) {
       ->type_name("FILE");
   app.add_flag("--sim", sim, "Show a simulated world instead of a camera's (source = sim)");
   app.add_option("--set", sets, "Override one parameter; may be repeated")->type_name("SECTION.KEY=VALUE")->allow_extra_args(false);
-  app.add_option("--frames", options.frames, "End after N frames, blind ones counted")->type_name("N")->check(CLI::PositiveNumber);
-  app.add_option("--dump", options.dump, "Compute all stages and write each frame to DIR/000000, DIR/000001, ...")->type_name("DIR");
+  app.add_option("--frames", options.frames, "End after N frames, blind ones counted")->type_name("N")->check(whole_number);
+  app.add_option("--dump", options.dump, "Compute all stages and write each frame to DIR/000000, DIR/000001, ...")
+      ->type_name("DIR")
+      ->check(not_empty);
   app.add_flag("--check-config", check_only, "Say all that is wrong with the configuration and end");
   app.add_flag("--print-config", print, "Print the configuration as it is understood and end");
-  app.add_option("--dot", options.dot, "Write the processing tree as a Graphviz graph to FILE")->type_name("FILE");
+  app.add_option("--dot", options.dot, "Write the processing tree as a Graphviz graph to FILE")->type_name("FILE")->check(not_empty);
   app.footer(
       "Exit codes: 0 done, 64 usage, 66 no input, 69 no camera or another daemon runs, 71 no shared memory,\n"
       "73 cannot create output, 74 output failed, 75 internal, 77 no permission, 78 wrong configuration.");
@@ -61,7 +94,14 @@ Parsed parse_options(int argc, char** argv) {
   const int exit_code = read(file, sets, sim, options.config);
   if (exit_code != 0 || check_only || print) parsed.exit_code = exit_code;
   if (exit_code == 0 && check_only) std::cout << (file.empty() ? "the configuration" : file) << ": nothing wrong\n";
-  if (exit_code == 0 && print) print_config(std::cout, options.config);
+  if (exit_code == 0 && print) {
+    print_config(std::cout, options.config);
+    print_memory(std::cout, options.config);
+  }
+  if (!std::cout.flush()) {
+    std::cerr << "vdispd: standard output cannot be written\n";
+    parsed.exit_code = EX_IOERR;
+  }
   return parsed;
 }
 

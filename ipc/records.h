@@ -55,7 +55,7 @@ struct Catalogue {
   static constexpr uint32_t capacity = 64;
   RecordHeader header;
   uint64_t steps, blind_steps;
-  int64_t period_ns;     ///< mean time from step to step
+  int64_t period_ns;     ///< median time from step to step of the last 32
   int64_t step_mean_ns;  ///< mean time inside a step
   uint32_t count;
   uint32_t unused;
@@ -69,7 +69,7 @@ struct Heartbeat {
   RecordHeader header;
   uint64_t steps;
   int64_t now_ns;     ///< CLOCK_MONOTONIC
-  int64_t period_ns;  ///< mean time from step to step, 0 before the second
+  int64_t period_ns;  ///< median time from step to step of the last 32, 0 before the third
 };
 
 enum class ObjectKind : uint32_t { box = 1, post, wall, rock };

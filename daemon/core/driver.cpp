@@ -119,8 +119,7 @@ void Driver::choose_stages() noexcept {
 
 Outcome Driver::step() noexcept {
   const int64_t start = monotonic_ns();
-  if (steps_ == 0) first_step_ns_ = start;
-  last_step_ns_ = start;
+  step_starts_[steps_ % step_starts_.size()] = start;
   choose_stages();
   Outcome outcome = Outcome::valid;
   for (size_t i = 0; i < stages_.size(); ++i) {
@@ -184,6 +183,17 @@ void Driver::publish(Slot& slot) noexcept {
   slot.outlet->publish();
 }
 
+/// Median time from step to step over the last steps; 0 before the third.
+int64_t Driver::period_ns() const noexcept {
+  const size_t known = std::min<uint64_t>(steps_, step_starts_.size());
+  if (known < 3) return 0;
+  std::array<int64_t, 32> between;
+  for (size_t i = 1; i < known; ++i)
+    between[i - 1] = step_starts_[(steps_ - i) % step_starts_.size()] - step_starts_[(steps_ - i - 1) % step_starts_.size()];
+  std::nth_element(between.begin(), between.begin() + static_cast<long>((known - 1) / 2), between.begin() + static_cast<long>(known - 1));
+  return between[(known - 1) / 2];
+}
+
 void Driver::beat() noexcept {
   const int64_t now = monotonic_ns();
   const auto stamp = [&](Image& image, const ImageSpec& spec) {
@@ -192,7 +202,7 @@ void Driver::beat() noexcept {
     image.epoch = epoch_;
     image.timestamp_ns = image.ready_ns = now;
   };
-  const int64_t period = steps_ > 1 ? (last_step_ns_ - first_step_ns_) / static_cast<int64_t>(steps_ - 1) : 0;
+  const int64_t period = period_ns();
   if (now - last_beat_ns_ >= 150'000'000) {
     last_beat_ns_ = now;
     Image& image = heartbeat_->loan();

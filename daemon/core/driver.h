@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
@@ -87,6 +88,7 @@ class Driver {
   void publish(Slot& slot) noexcept;
   void publish_after(int stage) noexcept;
   void fill_catalogue(Catalogue& catalogue) const noexcept;
+  int64_t period_ns() const noexcept;
   std::string label(const Stage& stage) const;
 
   uint64_t epoch_;
@@ -97,7 +99,8 @@ class Driver {
   Viewer viewer_;
   bool need_all_ = false;
   uint64_t steps_ = 0, blind_steps_ = 0;
-  int64_t step_total_ns_ = 0, first_step_ns_ = 0, last_step_ns_ = 0, last_beat_ns_ = 0, last_catalogue_ns_ = 0;
+  int64_t step_total_ns_ = 0, last_beat_ns_ = 0, last_catalogue_ns_ = 0;
+  std::array<int64_t, 32> step_starts_{};  // of the last steps, a ring: the period is theirs, so that a pause is soon forgotten
 };
 
 }  // namespace vdisp

@@ -14,7 +14,7 @@ constexpr int lasting_frames = 15;  // a single odd floor is no reason to doubt 
 
 }  // namespace
 
-void Edges::edge(Subject& subject, const char* what, const Image& image) {
+void Edges::edge(Subject& subject, const char* what, std::string_view fault, const Image& image) {
   if (subject.lost != !image.valid()) {
     subject.lost = !image.valid();
     if (subject.lost) subject.since_ns = image.ready_ns;
@@ -22,11 +22,11 @@ void Edges::edge(Subject& subject, const char* what, const Image& image) {
   }
   if (subject.lost == subject.told_lost || image.ready_ns - subject.told_ns < second) return;
   if (subject.lost) {
+    const std::string_view why = fault.empty() ? describe(image.reason) : fault;
     if (subject.untold > 1) {
-      warn("{} lost at frame {}: {} (lost and found {} times since the last message)", what, image.sequence, describe(image.reason),
-           subject.untold / 2);
+      warn("{} lost at frame {}: {} (lost and found {} times since the last message)", what, image.sequence, why, subject.untold / 2);
     } else {
-      warn("{} lost at frame {}: {}", what, image.sequence, describe(image.reason));
+      warn("{} lost at frame {}: {}", what, image.sequence, why);
     }
   } else {
     info("{} found after {:.1f} s, at frame {}", what, static_cast<double>(image.ready_ns - subject.since_ns) * 1e-9, image.sequence);
@@ -56,11 +56,11 @@ void Edges::say_what_is_near(const FloorModel& model, const CameraGeometry& came
 
 void Edges::see(const Topic& topic, const Image& image) {
   if (topic.name == "camera/left") {
-    edge(camera_, "frames", image);
+    edge(camera_, "frames", fault_(), image);
     if (!told_near_) rows_ = image.spec.height;
   }
   if (topic.name != "floor_model" || camera_.lost) return;
-  edge(floor_, "floor", image);
+  edge(floor_, "floor", {}, image);
   const FloorModel* model = record_of<FloorModel>(image);
   if (!model || !image.valid()) return;
   trace("frame {}: floor height {:.3f} m, pitch {:.4f} rad, confidence {:.2f}", image.sequence, model->height_m, model->pitch_rad,

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <string_view>
 
 #include "config/config.h"
 #include "daemon/core/driver.h"
@@ -13,7 +15,8 @@ namespace vdisp::log {
 /// counted and told with the next line.
 class Edges {
  public:
-  explicit Edges(const Config& config) : config_(config) {}
+  /// `fault` tells what is wrong with the pair at hand, more than the image's reason does; empty: nothing.
+  Edges(const Config& config, std::function<std::string_view()> fault) : config_(config), fault_(std::move(fault)) {}
   void see(const Topic& topic, const Image& image);
 
  private:
@@ -22,11 +25,12 @@ class Edges {
     int64_t since_ns = 0, told_ns = INT64_MIN / 2;
     int untold = 0;
   };
-  void edge(Subject& subject, const char* what, const Image& image);
+  void edge(Subject& subject, const char* what, std::string_view fault, const Image& image);
   void compare(const FloorModel& model, const Image& image);
   void say_what_is_near(const FloorModel& model, const CameraGeometry& camera);
 
   const Config& config_;
+  std::function<std::string_view()> fault_;
   Subject camera_, floor_;
   int rows_ = 0;  // of the images
   bool told_near_ = false;

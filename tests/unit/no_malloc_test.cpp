@@ -23,7 +23,7 @@ TEST_P(NoMallocTest, the_loop_takes_nothing_from_the_heap_with_every_stage_on) {
   config.sim.width = 320;
   config.sim.height = 240;
   log::start(0);
-  log::Edges edges(config);
+  log::Edges edges(config, [] { return std::string_view(); });
   Driver driver(1);
   build_tree(driver, open_source(config), config);
   driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
