@@ -32,7 +32,7 @@ class Run {
       : options_(options),
         config_(options.config),
         edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
-        driver_(epoch()) {
+        driver_(wall_clock_ns()) {
     cv::setNumThreads(config_.main.threads);
     auto source = open_source(config_);
     source_ = source.get();
@@ -79,12 +79,6 @@ class Run {
   }
 
  private:
-  static uint64_t epoch() {
-    timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return static_cast<uint64_t>(now.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(now.tv_nsec);
-  }
-
   void write_dot() {
     if (options_.dot.empty()) return;
     std::ofstream file(options_.dot);
