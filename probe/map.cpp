@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "ipc/dump.h"
 #include "probe/attach.h"
@@ -92,6 +95,40 @@ std::string page(const Shown& shown, MapLook look) {
   return text;
 }
 
+constexpr int stage_columns = 28;
+
+/// The stages with their mean times to the right of the page, one on each line from the top, where the terminal has room for them.
+std::string beside(const std::string& page, const std::vector<CatalogueEntry>& stages, const LiveScreen& screen) {
+  std::vector<std::string> side;
+  for (size_t i = 0; i < stages.size(); ++i) {
+    if (i > 0 && stages[i].stage == stages[i - 1].stage) continue;
+    char text[64];
+    std::snprintf(text, sizeof text, stages[i].runs ? "%-16.16s%7.1f ms" : "%-16.16s  asleep", stages[i].name,
+                  static_cast<double>(stages[i].mean_ns) * 1e-6);
+    side.push_back(text);
+  }
+  std::string joined;
+  size_t line = 0;
+  for (size_t begin = 0; begin < page.size();) {
+    const size_t end = std::min(page.find('\n', begin), page.size());
+    joined += page.substr(begin, end - begin);
+    if (line < side.size())
+      joined += "\x1b[" + std::to_string(screen.columns() - stage_columns + 2) + "G\x1b[38;5;245m" + side[line] + "\x1b[0m";
+    joined += "\n";
+    ++line;
+    begin = end + 1;
+  }
+  return joined;
+}
+
+/// A page for a person at a terminal.
+std::string live_page(Client& client, const Shown& shown, const LiveScreen& screen) {
+  const bool room = screen.columns() >= 72;
+  const int columns = screen.columns() - 6 - (room ? stage_columns : 0);
+  const std::string text = page(shown, {columns, screen.rows() - 4, true, utf8_terminal(), false});
+  return (room ? beside(text, client.topics(Client::Time(0)), screen) : text) + "q ends";
+}
+
 int print_once(Client& client, const std::string& name, const Options& options) {
   const Client::Topic topic = client.subscribe(name);
   Shown shown;
@@ -118,7 +155,6 @@ int map(const Options& options) {
   const Client::Topic topic = client.subscribe(name);
   Shown shown;
   LiveScreen screen;
-  const bool utf8 = utf8_terminal();
   auto last = std::chrono::steady_clock::time_point();
   while (!stopped()) {
     const char key = screen.key(screen.live() ? 100 : 50);
@@ -130,7 +166,7 @@ int map(const Options& options) {
     if (options.json)
       screen.show(json_line(shown));
     else if (screen.live())
-      screen.show(page(shown, {screen.columns() - 6, screen.rows() - 4, true, utf8, false}) + "q ends");
+      screen.show(live_page(client, shown, screen));
     else
       screen.show(page(shown, {}));
   }

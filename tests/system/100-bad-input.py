@@ -4,11 +4,12 @@
 SPDX-License-Identifier: Apache-2.0
 """
 import os
+import signal
 import subprocess
 
 import cv2
 
-from programs import ProgramTest, isolated_main, run
+from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
 
 CALIBRATION = """%YAML:1.0
 ---
@@ -31,6 +32,32 @@ class BadInput(ProgramTest):
     def test_wrong_usage_is_64(self):
         self.assert_refused(run("vdispd", "--nonsense"), 64, "--nonsense", "--help")
         self.assert_refused(run("vdispd", "--frames", "-3"), 64, "--frames")
+
+    def test_paths_that_are_empty_are_64_and_no_run_without_output(self):
+        self.assert_refused(run("vdispd", "--sim", "--dump", ""), 64, "--dump", "empty")
+        self.assert_refused(run("vdispd", "--sim", "--dot", ""), 64, "--dot", "empty")
+
+    def test_frames_is_a_whole_number_from_1(self):
+        for wrong in ("0", "99999999999999999999", "2.5"):
+            self.assert_refused(run("vdispd", "--sim", "--frames", wrong), 64, wrong, "whole number")
+
+    def test_a_configuration_that_cannot_be_printed_is_74(self):
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([BIN / "vdispd", "--print-config"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assert_refused(result, 74, "standard output")
+
+    def test_the_printed_configuration_names_the_pools_and_reads_back(self):
+        printed = run("vdispd", "--sim", "--print-config").stdout
+        self.assertRegex(printed, "# pool [0-9]+ bytes x [0-9]+ .* map")
+        (self.folder / "printed.cfg").write_text(printed)
+        self.assertEqual(run("vdispd", "-c", self.folder / "printed.cfg", "--check-config").returncode, 0)
+
+    def test_a_lost_terminal_ends_the_daemon_cleanly(self):
+        with Running("vdispd", "--sim") as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text(), 20))
+            daemon.process.send_signal(signal.SIGHUP)
+            self.assertEqual(daemon.process.wait(5), 0)
+        self.assertEqual(os.listdir("/dev/shm"), [])
 
     def test_all_complaints_about_a_configuration_come_at_once_and_it_ends_with_78(self):
         path = self.write_config("[Floor]\niterRansac=99999\nitrRansac=5\n[Map]\nrange=abc\n")

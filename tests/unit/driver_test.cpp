@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <map>
 #include <sstream>
+#include <thread>
 
 namespace vdisp {
 namespace {
@@ -158,6 +160,17 @@ TEST_F(DriverTest, the_catalogue_tells_names_parents_and_runs) {
   EXPECT_EQ(catalogue->entries[2].parents[0], 1);
   EXPECT_EQ(catalogue->entries[2].runs, 1u);
   EXPECT_EQ(outlets["heartbeat"]->published(), 1u);
+}
+
+TEST_F(DriverTest, a_pause_does_not_stretch_the_period) {
+  // Readers judge by it when an image is stale: the mean of a whole life would let a minute's pause hide a dead camera for long.
+  build();
+  for (int i = 0; i < 12; ++i) {
+    driver.step();
+    std::this_thread::sleep_for(std::chrono::milliseconds(i == 4 ? 400 : 5));
+  }
+  driver.beat();
+  EXPECT_LT(record_of<Heartbeat>(image("heartbeat"))->period_ns, 100'000'000);
 }
 
 TEST_F(DriverTest, dot_and_profile_name_the_stages) {
