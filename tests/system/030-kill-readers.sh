@@ -8,7 +8,7 @@ RANDOM=4711
 for i in $(seq 100); do
   case $((i % 5)) in
     0) $BIN/vdisp-probe dump $WORK/dump$i --frames 100000 > /dev/null & ;;
-    1) $BIN/vdisp-probe map --json > $WORK/json & ;;
+    1) $BIN/vdisp-probe map --json >> $WORK/json & ;;
     2) $BIN/vdisp-probe list > /dev/null & ;;
     3) $BIN/vdisp-probe stats --json > /dev/null & ;;
     4) $BIN/vdisp-planner > /dev/null & ;;
