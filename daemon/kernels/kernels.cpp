@@ -1,0 +1,61 @@
+// kernels.cpp: the plain kernels, and better ones written over them where the machine has the instructions.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/kernels/kernels.h"
+
+#include <array>
+#include <stdexcept>
+
+#include "daemon/kernels/simd.h"
+
+namespace vdisp::kernels {
+namespace {
+
+struct Level {
+  std::string_view name;
+  int64_t target;
+};
+
+// Simplest first.
+#if HWY_ARCH_X86
+constexpr std::array known{Level{"sse4", HWY_SSE4}, Level{"avx2", HWY_AVX2}, Level{"avx512", HWY_AVX3}, Level{"avx512dl", HWY_AVX3_DL}};
+#elif HWY_ARCH_ARM
+constexpr std::array known{Level{"neon", HWY_NEON}, Level{"sve", HWY_SVE}, Level{"sve256", HWY_SVE_256}, Level{"sve2", HWY_SVE2},
+                           Level{"sve2_128", HWY_SVE2_128}};
+#else
+constexpr std::array<Level, 0> known{};
+#endif
+
+Kernels plain_kernels() {
+  return {
+      .x_sobel = plain::x_sobel,
+  };
+}
+
+}  // namespace
+
+std::vector<std::string> levels() {
+  std::vector<std::string> names{"plain"};
+  const int64_t here = hwy::SupportedTargets() & HWY_TARGETS;
+  for (const Level& level : known) {
+    if (here & level.target) names.emplace_back(level.name);
+  }
+  return names;
+}
+
+Kernels kernels(std::string_view level) {
+  Kernels table = plain_kernels();
+  const std::vector<std::string> there = levels();
+  if (level == "auto") level = there.back();
+  if (level == "plain") return table;
+  for (const Level& candidate : known) {
+    if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
+    hwy::GetChosenTarget().Update(candidate.target);
+    choose_prefilter(table);
+    return table;
+  }
+  std::string names;
+  for (const std::string& name : there) names += (names.empty() ? "" : ", ") + name;
+  throw std::invalid_argument("no instruction set '" + std::string(level) + "' here; there are " + names);
+}
+
+}  // namespace vdisp::kernels

@@ -1,0 +1,25 @@
+// kernels.h: the table of hot loops: one pointer a kernel, chosen once for the instruction set of the machine.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/kernels/prefilter.h"
+
+namespace vdisp::kernels {
+
+/// The contract stands on the type of the pointer. Each kernel gives the same bytes at every level, reads and writes nothing outside
+/// what its contract names, and neither allocates nor throws.
+struct Kernels {
+  XSobel* x_sobel;
+};
+
+/// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.
+std::vector<std::string> levels();
+/// The kernels of a level; `auto` is the best one. Throws std::invalid_argument naming the levels there are.
+/// Call it while building: it is not meant for two threads at once.
+Kernels kernels(std::string_view level = "auto");
+
+}  // namespace vdisp::kernels

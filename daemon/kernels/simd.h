@@ -1,0 +1,20 @@
+// simd.h: what every Highway form of a kernel needs: how its pointer for the chosen instruction set is found.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <hwy/highway.h>
+
+/// Pointer to the form of a HWY_EXPORTed function for the target that kernels() has chosen.
+#if (HWY_TARGETS & (HWY_TARGETS - 1)) == 0
+#define VDISP_CHOSEN(function) HWY_DISPATCH_TABLE(function)[0]
+#else
+#define VDISP_CHOSEN(function) HWY_DISPATCH_TABLE(function)[hwy::GetChosenTarget().GetIndex()]
+#endif
+
+namespace vdisp::kernels {
+
+struct Kernels;
+/// Each writes its kernels into the table, in the form of the chosen target.
+void choose_prefilter(Kernels& table);
+
+}  // namespace vdisp::kernels
