@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/kernels/block_match.h"
 #include "daemon/kernels/prefilter.h"
 
 namespace vdisp::kernels {
@@ -14,6 +15,7 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  MatchRow* match_row;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

@@ -1,0 +1,236 @@
+// block_match_simd.cpp: block matching for all instruction sets, the disparities of a pixel side by side in a vector.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstring>
+
+#include "daemon/kernels/kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "daemon/kernels/block_match_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "daemon/kernels/simd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace vdisp::kernels {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR
+void match_row(const BlockSearch& search, int row, bool fresh, BlockScratch& scratch, const Candidates& out) {
+  plain::match_row(search, row, fresh, scratch, out);
+}
+#else
+
+// Costs of the pixels at hand stand in a ring of slots, so that they stay in the first cache. Before and behind a pixel's costs lie
+// `pad` words above every cost, so that the right view's best can be taken along the diagonal without asking for borders.
+constexpr int slots = 64, strip = 32, block = 16, pad = 32;
+constexpr uint8_t above_byte = 0x7F;  // what memset makes of it is positive in 16 bits, signed or not
+constexpr int16_t above = 0x7F7F;
+
+void fill_above(int16_t* words, int n) { std::memset(words, above_byte, sizeof(int16_t) * static_cast<size_t>(n)); }
+
+/// One row of one search as the loops need it.
+struct Row {
+  const BlockSearch& s;
+  int pixels, wide;  // wide: disparities, rounded up to whole vectors
+  uint8_t* columns;  // [column][wide]; `window` columns of zeros before
+  int16_t *ring, *right, *sums, *same;
+  const uint8_t *left_new, *left_old, *right_new, *right_old;  // at column first - r; the right ones for index 0
+  const uint8_t *left_new2, *left_old2, *right_new2, *right_old2;
+  int slot_words() const { return wide + 2 * pad; }
+  int16_t* costs(int p) const { return ring + (p & (slots - 1)) * slot_words() + pad; }
+};
+
+template <Cost cost, class D8, class V8 = hn::Vec<D8>>
+HWY_INLINE V8 pixel_costs(D8 d8, const uint8_t* left, const uint8_t* right, const uint8_t* left2, const uint8_t* right2, V8 cap) {
+  const V8 l = hn::Set(d8, *left), r = hn::LoadU(d8, right);
+  if constexpr (cost == Cost::differences) {
+    return hn::Min(hn::Or(hn::SaturatedSub(l, r), hn::SaturatedSub(r, l)), cap);
+  } else {
+    V8 bits = hn::PopulationCount(hn::Xor(l, r));
+    if constexpr (cost == Cost::hamming_two)
+      bits = hn::Add(bits, hn::PopulationCount(hn::Xor(hn::Set(d8, *left2), hn::LoadU(d8, right2))));
+    return bits;
+  }
+}
+
+/// The column sums without the window's newest row, made anew from the rows [from, to).
+template <Cost cost, class D8>
+void begin_columns(D8 d8, const Row& row, int y_from, int y_to) {
+  const BlockSearch& s = row.s;
+  const int n8 = static_cast<int>(hn::Lanes(d8)), columns = row.pixels + s.window - 1, left = s.first_column() - s.window / 2;
+  std::memset(row.columns - static_cast<ptrdiff_t>(s.window) * row.wide, 0, static_cast<size_t>(columns + s.window) * row.wide);
+  const auto cap = hn::Set(d8, static_cast<uint8_t>(s.cap));
+  for (int y = y_from; y < y_to; ++y) {
+    const int there = s.left.width - 1 - left + s.min_disparity;
+    const uint8_t *l = s.left.row(y) + left, *r = s.right.row(y) + there;
+    const uint8_t* l2 = cost == Cost::hamming_two ? s.left_more.row(y) + left : l;
+    const uint8_t* r2 = cost == Cost::hamming_two ? s.right_more.row(y) + there : r;
+    for (int q = 0; q < columns; ++q) {
+      for (int i = 0; i < row.wide; i += n8) {
+        uint8_t* to = row.columns + q * row.wide + i;
+        hn::Store(hn::Add(hn::Load(d8, to), pixel_costs<cost>(d8, l + q, r - q + i, l2 + q, r2 - q + i, cap)), d8, to);
+      }
+    }
+  }
+}
+
+/// Columns [from, to): column sums brought to this row, window sums moved on, and from the first whole window on stored as costs.
+template <Cost cost, bool subtract, class D8>
+HWY_INLINE void sum_strip(D8 d8, const Row& row, int from, int to) {
+  const hn::Half<D8> half8;
+  const hn::Repartition<int16_t, D8> d16;
+  const int n8 = static_cast<int>(hn::Lanes(d8)), n16 = n8 / 2, w = row.s.window;
+  const auto cap = hn::Set(d8, static_cast<uint8_t>(row.s.cap));
+  for (int i = 0; i < row.wide; i += n8) {
+    auto sum0 = hn::Load(d16, row.sums + i), sum1 = hn::Load(d16, row.sums + i + n16);
+    // What lies beyond the last disparity must never be the least.
+    const auto last = hn::Set(d16, static_cast<int16_t>(row.s.disparities - i - 1)), over = hn::Set(d16, above);
+    const auto beyond0 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, 0), last), over);
+    const auto beyond1 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, static_cast<int16_t>(n16)), last), over);
+    for (int q = from; q < to; ++q) {
+      uint8_t* column = row.columns + q * row.wide + i;
+      auto costs = hn::Load(d8, column);
+      if constexpr (subtract) {
+        costs = hn::Sub(costs, pixel_costs<cost>(d8, row.left_old + q, row.right_old - q + i, row.left_old2 + q, row.right_old2 - q + i, cap));
+      }
+      costs = hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, cap));
+      hn::Store(costs, d8, column);
+      const uint8_t* gone = column - static_cast<ptrdiff_t>(w) * row.wide;
+      sum0 = hn::Add(sum0, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column)), hn::PromoteTo(d16, hn::Load(half8, gone))));
+      sum1 = hn::Add(sum1, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column + n16)), hn::PromoteTo(d16, hn::Load(half8, gone + n16))));
+      if (q < w - 1) continue;
+      int16_t* to_costs = row.costs(q - (w - 1)) + i;
+      hn::Store(hn::Max(sum0, beyond0), d16, to_costs);
+      hn::Store(hn::Max(sum1, beyond1), d16, to_costs + n16);
+    }
+    hn::Store(sum0, d16, row.sums + i);
+    hn::Store(sum1, d16, row.sums + i + n16);
+  }
+}
+
+template <class D16, class V16 = hn::Vec<D16>>
+HWY_INLINE int16_t least_of(D16 d16, V16 v) {
+#if HWY_ARCH_X86
+  if constexpr (hn::MaxLanes(D16()) == 8) {
+    return static_cast<int16_t>(_mm_cvtsi128_si32(_mm_minpos_epu16(v.raw)));
+  } else if constexpr (hn::MaxLanes(D16()) > 8) {
+    const hn::Half<D16> half;
+    return least_of(half, hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  }
+#endif
+  return hn::GetLane(hn::MinOfLanes(d16, v));
+}
+
+/// What the right view's pixels cost at best, brought up to date with the pixels [from, to), at most `block` of them.
+template <class D16>
+HWY_INLINE void take_right(D16 d16, const Row& row, int from, int to) {
+  const int n16 = static_cast<int>(hn::Lanes(d16));
+  int16_t* right = row.right + (row.pixels - 1 - from);
+  for (int k = 1 - block; k < row.s.disparities; k += n16) {
+    auto best = hn::LoadU(d16, right + k);
+    for (int p = from; p < to; ++p) best = hn::Min(best, hn::LoadU(d16, row.costs(p) + k + (p - from)));
+    hn::StoreU(best, d16, right + k);
+  }
+}
+
+/// The candidate of pixel p; the costs of p - 1 and p + 1 are in the ring.
+template <class D16>
+HWY_INLINE void choose(D16 d16, const Row& row, int p, const Candidates& out) {
+  const int n16 = static_cast<int>(hn::Lanes(d16)), x = row.s.first_column() + p;
+  const int16_t* costs = row.costs(p);
+  auto least = hn::Load(d16, costs), where = hn::Zero(d16);
+  for (int i = n16; i < row.wide; i += n16) {
+    const auto next = hn::Load(d16, costs + i);
+    where = hn::IfThenElse(hn::Lt(next, least), hn::Set(d16, static_cast<int16_t>(i)), where);
+    least = hn::Min(least, next);
+  }
+  const int16_t cost = least_of(d16, least);
+  where = hn::Add(where, hn::Iota(d16, 0));
+  const int16_t index = least_of(d16, hn::IfThenElse(hn::Eq(least, hn::Set(d16, cost)), where, hn::Set(d16, above)));
+  const int16_t before = costs[index - 1], after = costs[index + 1];
+  const int limit = cost + cost * row.s.unique / 100;
+  const auto limits = hn::Set(d16, static_cast<int16_t>(limit + 1));
+  size_t rivals = 0;
+  for (int i = 0; i < row.wide; i += n16) rivals += hn::CountTrue(d16, hn::Lt(hn::Load(d16, costs + i), limits));
+  const size_t own = 1u + (before <= limit) + (after <= limit);
+  out.index[x] = static_cast<uint16_t>(index);
+  out.cost[x] = static_cast<uint16_t>(cost);
+  out.before[x] = static_cast<uint16_t>(before == above ? after : before);
+  out.after[x] = static_cast<uint16_t>(after == above ? before : after);
+  out.refused[x] = row.s.unique > 0 && rivals > own ? candidate_not_unique : uint16_t{0};
+  row.same[p] = std::min(cost, std::min(row.costs(p - 1)[index - 1], row.costs(p + 1)[index + 1]));
+}
+
+template <Cost cost, class D8>
+void match(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch, const Candidates& out) {
+  const hn::Repartition<int16_t, D8> d16;
+  const int n8 = static_cast<int>(hn::Lanes(d8)), r = s.window / 2, first = s.first_column(), left = first - r;
+  const int pixels = s.last_column() - first, wide = (s.disparities + n8 - 1) / n8 * n8;
+  const int there = s.left.width - 1 - left + s.min_disparity, old = std::max(y - r - 1, 0);
+  const bool two = cost == Cost::hamming_two;
+  const View8 left2 = two ? s.left_more : s.left, right2 = two ? s.right_more : s.right;
+  const Row row{s, pixels, wide, scratch.columns() + static_cast<ptrdiff_t>(s.window) * wide, scratch.costs(),
+                scratch.right_best() + pad, scratch.sums(), scratch.same_match(),
+                s.left.row(y + r) + left, s.left.row(old) + left, s.right.row(y + r) + there, s.right.row(old) + there,
+                left2.row(y + r) + left, left2.row(old) + left, right2.row(y + r) + there, right2.row(old) + there};
+  if (fresh) {
+    fill_above(row.ring, slots * row.slot_words());
+    begin_columns<cost>(d8, row, y - r, y + r);
+  }
+  std::memset(row.sums, 0, sizeof(int16_t) * static_cast<size_t>(wide));
+  fill_above(row.right - pad, pixels + wide + 2 * pad);
+  fill_above(row.costs(-1), wide);
+
+  const auto sum = [&](int from, int to) {
+    fresh ? sum_strip<cost, false>(d8, row, from, to) : sum_strip<cost, true>(d8, row, from, to);
+  };
+  sum(0, s.window - 1);
+  for (int p = 0; p < pixels; p += strip) {
+    const int end = std::min(p + strip, pixels);
+    sum(p + s.window - 1, end + s.window - 1);
+    for (int b = p; b < end; b += block) take_right(d16, row, b, std::min(b + block, end));
+    if (end == pixels) fill_above(row.costs(pixels), wide);
+    const int chosen = end == pixels ? end : end - 1;
+    for (int i = std::max(p - 1, 0); i < chosen; ++i) choose(d16, row, i, out);
+  }
+  for (int p = 0; p < pixels; ++p) {
+    const int x = first + p;
+    const int best = row.right[pixels - 1 - p + out.index[x]];
+    if (best + best * s.left_right / 100 < row.same[p]) out.refused[x] |= candidate_left_right;
+  }
+}
+
+template <Cost cost>
+void match(const BlockSearch& s, int row, bool fresh, BlockScratch& scratch, const Candidates& out) {
+  if (s.disparities <= 16) return match<cost>(hn::CappedTag<uint8_t, 16>(), s, row, fresh, scratch, out);
+  if (s.disparities <= 32) return match<cost>(hn::CappedTag<uint8_t, 32>(), s, row, fresh, scratch, out);
+  match<cost>(hn::CappedTag<uint8_t, 64>(), s, row, fresh, scratch, out);
+}
+
+void match_row(const BlockSearch& s, int row, bool fresh, BlockScratch& scratch, const Candidates& out) {
+  if (s.last_column() <= s.first_column()) return;
+  switch (s.cost) {
+    case Cost::differences: return match<Cost::differences>(s, row, fresh, scratch, out);
+    case Cost::hamming: return match<Cost::hamming>(s, row, fresh, scratch, out);
+    case Cost::hamming_two: return match<Cost::hamming_two>(s, row, fresh, scratch, out);
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace vdisp::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace vdisp::kernels {
+HWY_EXPORT(match_row);
+void choose_block_match(Kernels& table) { table.match_row = VDISP_CHOSEN(match_row); }
+}  // namespace vdisp::kernels
+#endif
