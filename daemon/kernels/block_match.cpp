@@ -22,7 +22,8 @@ BlockScratch::BlockScratch(int width, int disparities) {
   cost_lines_ = lines(sizeof(uint16_t) * std::max<size_t>(columns, 64) * (wide + 64));
   right_lines_ = lines(sizeof(uint16_t) * (columns + wide + 128));
   sum_lines_ = lines(sizeof(uint16_t) * wide);
-  memory_.resize(columns_lines_ + cost_lines_ + right_lines_ + sum_lines_ + lines(sizeof(uint16_t) * columns));
+  row_lines_ = lines(sizeof(int16_t) * (columns + row_margin));
+  memory_.resize(columns_lines_ + cost_lines_ + right_lines_ + sum_lines_ + 4 * row_lines_);
 }
 
 namespace plain {
@@ -36,6 +37,8 @@ int pixel_cost(const BlockSearch& s, int x, int y, int disparity) {
   if (s.cost == Cost::hamming_two) bits += std::popcount(static_cast<uint8_t>(s.left_more.row(y)[x] ^ s.right_more.row(y)[there]));
   return bits;
 }
+
+int more(int cost, int percent) { return cost + (cost * percent_factor(percent) >> 16); }
 
 /// The sums of the columns of this row's windows, from those of the row before or anew.
 void sum_columns(const BlockSearch& s, int row, bool fresh, int columns, uint8_t* sums) {
@@ -56,7 +59,7 @@ void sum_columns(const BlockSearch& s, int row, bool fresh, int columns, uint8_t
 
 void choose(const BlockSearch& s, const int16_t* costs, int x, const Candidates& out) {
   const int n = s.disparities, best = static_cast<int>(std::min_element(costs, costs + n) - costs);
-  const int least = costs[best], limit = least + least * s.unique / 100;
+  const int least = costs[best], limit = more(least, s.unique);
   out.index[x] = static_cast<uint16_t>(best);
   out.cost[x] = static_cast<uint16_t>(least);
   out.before[x] = static_cast<uint16_t>(costs[best > 0 ? best - 1 : best + 1]);
@@ -96,7 +99,7 @@ void match_row(const BlockSearch& s, int row, bool fresh, BlockScratch& scratch,
     if (p > 0 && i > 0) match = std::min(match, costs[(p - 1) * n + i - 1]);
     if (p + 1 < pixels && i + 1 < n) match = std::min(match, costs[(p + 1) * n + i + 1]);
     const int best = right[pixels - 1 - p + i];
-    if (best + best * s.left_right / 100 < match) out.refused[x] |= candidate_left_right;
+    if (more(best, s.left_right) < match) out.refused[x] |= candidate_left_right;
   }
 }
 

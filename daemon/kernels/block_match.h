@@ -41,7 +41,12 @@ struct BlockSearch {
 /// Why a candidate is not to be trusted; bits.
 inline constexpr uint16_t candidate_not_unique = 1, candidate_left_right = 2;
 
-/// One row, an element a pixel, valid for columns [first_column, last_column) of the search.
+/// A percentage in 1/65536, rounded up: p % of c is c * percent_factor(p) >> 16.
+constexpr int percent_factor(int percent) { return (65536 * percent + 99) / 100; }
+
+/// One row, an element a pixel, valid for columns [first_column, last_column) of the search. Up to `row_margin` elements behind the
+/// last column are written, whatever they hold.
+inline constexpr int row_margin = 32;
 struct Candidates {
   uint16_t* index;    ///< the disparity that costs least is min_disparity + index; of equals the smallest
   uint16_t* cost;     ///< its cost, the sum over the window
@@ -60,23 +65,23 @@ class BlockScratch {
   int16_t* costs() { return words(columns_lines_); }
   int16_t* right_best() { return words(columns_lines_ + cost_lines_); }
   int16_t* sums() { return words(columns_lines_ + cost_lines_ + right_lines_); }
-  int16_t* same_match() { return words(columns_lines_ + cost_lines_ + right_lines_ + sum_lines_); }
+  int16_t* row(size_t i) { return words(columns_lines_ + cost_lines_ + right_lines_ + sum_lines_ + i * row_lines_); }  ///< i < 4
 
  private:
   struct alignas(64) Line {
     uint8_t bytes[64];
   };
   int16_t* words(size_t line) { return reinterpret_cast<int16_t*>(memory_[line].bytes); }
-  size_t columns_lines_ = 0, cost_lines_ = 0, right_lines_ = 0, sum_lines_ = 0;
+  size_t columns_lines_ = 0, cost_lines_ = 0, right_lines_ = 0, sum_lines_ = 0, row_lines_ = 0;
   std::vector<Line> memory_;
 };
 
 /// Candidates of row `row`, which has the window inside the image: window / 2 <= row < height - window / 2. With `fresh` the row is the
 /// first of a band; without it the last call with this scratch was for row - 1 of the same search.
 ///
-/// not unique: a disparity more than 1 px away costs at most cost + cost * unique / 100 (rounded down). left/right: the matched pixel
-/// of the right view has, among all pixels of the left one, a match of cost c with c + c * left_right / 100 (rounded down) less than
-/// this one and than those that lead to the same right pixel from 1 px beside it.
+/// not unique: a disparity more than 1 px away costs at most cost + unique % of it. left/right: the matched pixel
+/// of the right view has, among all pixels of the left one, a match of cost c with c + left_right % of it less than this
+/// one and than those that lead to the same right pixel from 1 px beside it.
 using MatchRow = void(const BlockSearch& search, int row, bool fresh, BlockScratch& scratch, const Candidates& out);
 
 namespace plain {

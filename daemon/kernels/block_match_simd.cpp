@@ -1,6 +1,7 @@
 // block_match_simd.cpp: block matching for all instruction sets, the disparities of a pixel side by side in a vector.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "daemon/kernels/kernels.h"
@@ -38,7 +39,7 @@ struct Row {
   const BlockSearch& s;
   int pixels, wide;  // wide: disparities, rounded up to whole vectors
   uint8_t* columns;  // [column][wide]; `window` columns of zeros before
-  int16_t *ring, *right, *sums, *same;
+  int16_t *ring, *right, *sums, *limits, *rivals, *same, *back;
   const uint8_t *left_new, *left_old, *right_new, *right_old;  // at column first - r; the right ones for index 0
   const uint8_t *left_new2, *left_old2, *right_new2, *right_old2;
   int slot_words() const { return wide + 2 * pad; }
@@ -138,32 +139,111 @@ HWY_INLINE void take_right(D16 d16, const Row& row, int from, int to) {
   }
 }
 
-/// The candidate of pixel p; the costs of p - 1 and p + 1 are in the ring.
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+/// Which of a pixel's first 64 costs from `costs` on are less than `limit`, or equal to it: a bit each.
+template <bool equal, class D16, class V16>
+HWY_INLINE uint64_t bits(D16 d16, const int16_t* costs, int n, V16 limit) {
+  uint64_t all = 0;
+  for (int i = 0; i < n; i += static_cast<int>(hn::Lanes(d16))) {
+    const auto v = hn::Load(d16, costs + i);
+    all |= static_cast<uint64_t>((equal ? hn::Eq(v, limit) : hn::Lt(v, limit)).raw) << i;
+  }
+  return all;
+}
+#endif
+
+/// The disparity of pixel p that costs least.
 template <class D16>
-HWY_INLINE void choose(D16 d16, const Row& row, int p, const Candidates& out) {
-  const int n16 = static_cast<int>(hn::Lanes(d16)), x = row.s.first_column() + p;
-  const int16_t* costs = row.costs(p);
-  auto least = hn::Load(d16, costs), where = hn::Zero(d16);
-  for (int i = n16; i < row.wide; i += n16) {
+HWY_INLINE void choose(D16 d16, const int16_t* HWY_RESTRICT costs, int wide, int x, const Candidates& out) {
+  const int n16 = static_cast<int>(hn::Lanes(d16));
+  auto least = hn::Load(d16, costs);
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  for (int i = n16; i < wide; i += n16) least = hn::Min(least, hn::Load(d16, costs + i));
+  const int16_t cost = least_of(d16, least);
+  const auto same = hn::Set(d16, cost);
+  int index = 0;
+  for (int i = (wide - 1) / 64 * 64; i >= 0; i -= 64) {
+    const uint64_t found = bits<true>(d16, costs + i, std::min(wide - i, 64), same);
+    index = found ? i + std::countr_zero(found) : index;
+  }
+#else
+  auto where = hn::Zero(d16);
+  for (int i = n16; i < wide; i += n16) {
     const auto next = hn::Load(d16, costs + i);
     where = hn::IfThenElse(hn::Lt(next, least), hn::Set(d16, static_cast<int16_t>(i)), where);
     least = hn::Min(least, next);
   }
   const int16_t cost = least_of(d16, least);
   where = hn::Add(where, hn::Iota(d16, 0));
-  const int16_t index = least_of(d16, hn::IfThenElse(hn::Eq(least, hn::Set(d16, cost)), where, hn::Set(d16, above)));
-  const int16_t before = costs[index - 1], after = costs[index + 1];
-  const int limit = cost + cost * row.s.unique / 100;
-  const auto limits = hn::Set(d16, static_cast<int16_t>(limit + 1));
-  size_t rivals = 0;
-  for (int i = 0; i < row.wide; i += n16) rivals += hn::CountTrue(d16, hn::Lt(hn::Load(d16, costs + i), limits));
-  const size_t own = 1u + (before <= limit) + (after <= limit);
+  const int index = least_of(d16, hn::IfThenElse(hn::Eq(least, hn::Set(d16, cost)), where, hn::Set(d16, above)));
+#endif
   out.index[x] = static_cast<uint16_t>(index);
   out.cost[x] = static_cast<uint16_t>(cost);
-  out.before[x] = static_cast<uint16_t>(before == above ? after : before);
-  out.after[x] = static_cast<uint16_t>(after == above ? before : after);
-  out.refused[x] = row.s.unique > 0 && rivals > own ? candidate_not_unique : uint16_t{0};
-  row.same[p] = std::min(cost, std::min(row.costs(p - 1)[index - 1], row.costs(p + 1)[index + 1]));
+  out.before[x] = static_cast<uint16_t>(costs[index - 1]);
+  out.after[x] = static_cast<uint16_t>(costs[index + 1]);
+}
+
+/// How many of a pixel's costs are at most its limit.
+template <class D16>
+HWY_INLINE int16_t count_rivals(D16 d16, const int16_t* HWY_RESTRICT costs, int wide, int16_t limit) {
+  const int n16 = static_cast<int>(hn::Lanes(d16));
+  const auto limits = hn::Set(d16, static_cast<int16_t>(limit + 1));
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  int rivals = 0;
+  for (int i = 0; i < wide; i += 64) rivals += std::popcount(bits<false>(d16, costs + i, std::min(wide - i, 64), limits));
+  return static_cast<int16_t>(rivals);
+#else
+  auto rivals = hn::Zero(d16);
+  for (int i = 0; i < wide; i += n16) rivals = hn::Sub(rivals, hn::VecFromMask(d16, hn::Lt(hn::Load(d16, costs + i), limits)));
+  return hn::GetLane(hn::SumOfLanes(d16, rivals));
+#endif
+}
+
+/// cost + percent of it.
+template <class D16, class V16 = hn::Vec<D16>>
+HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
+  return hn::Add(cost, hn::MulHigh(cost, hn::Set(d16, static_cast<int16_t>(percent_factor(percent)))));
+}
+
+/// Chooses for the pixels [from, to), and asks how many rivals each has.
+template <class D16>
+HWY_INLINE void choose_strip(D16 d16, const Row& row, int from, int to, const Candidates& out) {
+  const hn::CappedTag<int16_t, 32> wide16;
+  const int first = row.s.first_column(), wide = row.wide;
+  for (int p = from; p < to; ++p) choose(d16, row.costs(p), wide, first + p, out);
+  for (int p = from; p < to; p += static_cast<int>(hn::Lanes(wide16))) {
+    const auto cost = hn::LoadU(wide16, reinterpret_cast<const int16_t*>(out.cost) + first + p);
+    hn::StoreU(more(wide16, cost, row.s.unique), wide16, row.limits + p);
+  }
+  for (int p = from; p < to; ++p) {
+    const int index = out.index[first + p];
+    row.rivals[p] = count_rivals(d16, row.costs(p), wide, row.limits[p]);
+    row.same[p] = std::min(row.costs(p - 1)[index - 1], row.costs(p + 1)[index + 1]);
+  }
+}
+
+/// The whole row's refusals, and neighbours where the search ends.
+void refuse(const Row& row, const Candidates& out) {
+  const hn::CappedTag<int16_t, 32> d16;
+  const int first = row.s.first_column();
+  for (int p = 0; p < row.pixels; ++p) row.back[p] = row.right[row.pixels - 1 - p + out.index[first + p]];
+  const auto over = hn::Set(d16, above), one = hn::Set(d16, int16_t{1}), zero = hn::Zero(d16);
+  const auto unique = hn::Set(d16, row.s.unique > 0 ? static_cast<int16_t>(candidate_not_unique) : int16_t{0});
+  const auto left_right = hn::Set(d16, static_cast<int16_t>(candidate_left_right));
+  for (int p = 0; p < row.pixels; p += static_cast<int>(hn::Lanes(d16))) {
+    const auto at = [&](uint16_t* from) { return reinterpret_cast<int16_t*>(from) + first + p; };
+    const auto cost = hn::LoadU(d16, at(out.cost)), before = hn::LoadU(d16, at(out.before)), after = hn::LoadU(d16, at(out.after));
+    const auto limit = hn::LoadU(d16, row.limits + p);
+    // Compares are -1 where true: the rivals less the neighbours among them, and less itself.
+    const auto own = [&](auto neighbour) { return hn::IfThenElse(hn::Gt(neighbour, limit), zero, one); };
+    const auto rivals = hn::Sub(hn::Sub(hn::LoadU(d16, row.rivals + p), own(before)), own(after));
+    const auto back = more(d16, hn::LoadU(d16, row.back + p), row.s.left_right);
+    const auto elsewhere = hn::Lt(back, hn::Min(cost, hn::LoadU(d16, row.same + p)));
+    const auto refused = hn::Or(hn::IfThenElseZero(hn::Gt(rivals, one), unique), hn::IfThenElseZero(elsewhere, left_right));
+    hn::StoreU(refused, d16, at(out.refused));
+    hn::StoreU(hn::IfThenElse(hn::Eq(before, over), after, before), d16, at(out.before));
+    hn::StoreU(hn::IfThenElse(hn::Eq(after, over), before, after), d16, at(out.after));
+  }
 }
 
 template <Cost cost, class D8>
@@ -175,7 +255,7 @@ void match(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch
   const bool two = cost == Cost::hamming_two;
   const View8 left2 = two ? s.left_more : s.left, right2 = two ? s.right_more : s.right;
   const Row row{s, pixels, wide, scratch.columns() + static_cast<ptrdiff_t>(s.window) * wide, scratch.costs(),
-                scratch.right_best() + pad, scratch.sums(), scratch.same_match(),
+                scratch.right_best() + pad, scratch.sums(), scratch.row(0), scratch.row(1), scratch.row(2), scratch.row(3),
                 s.left.row(y + r) + left, s.left.row(old) + left, s.right.row(y + r) + there, s.right.row(old) + there,
                 left2.row(y + r) + left, left2.row(old) + left, right2.row(y + r) + there, right2.row(old) + there};
   if (fresh) {
@@ -196,13 +276,9 @@ void match(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch
     for (int b = p; b < end; b += block) take_right(d16, row, b, std::min(b + block, end));
     if (end == pixels) fill_above(row.costs(pixels), wide);
     const int chosen = end == pixels ? end : end - 1;
-    for (int i = std::max(p - 1, 0); i < chosen; ++i) choose(d16, row, i, out);
+    choose_strip(d16, row, std::max(p - 1, 0), chosen, out);
   }
-  for (int p = 0; p < pixels; ++p) {
-    const int x = first + p;
-    const int best = row.right[pixels - 1 - p + out.index[x]];
-    if (best + best * s.left_right / 100 < row.same[p]) out.refused[x] |= candidate_left_right;
-  }
+  refuse(row, out);
 }
 
 template <Cost cost>
