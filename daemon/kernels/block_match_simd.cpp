@@ -34,15 +34,17 @@ constexpr int16_t above = 0x7F7F;
 
 void fill_above(int16_t* words, int n) { std::memset(words, above_byte, sizeof(int16_t) * static_cast<size_t>(n)); }
 
-/// One row of one search as the loops need it.
+/// One row of one search as the loops need it. `known` is its width where that is a constant, which lets the loops be unrolled; else 0.
+template <int known>
 struct Row {
   const BlockSearch& s;
-  int pixels, wide;  // wide: disparities, rounded up to whole vectors
+  int pixels, any_wide;
   uint8_t* columns;  // [column][wide]; `window` columns of zeros before
   int16_t *ring, *right, *sums, *limits, *rivals, *same, *back;
   const uint8_t *left_new, *left_old, *right_new, *right_old;  // at column first - r; the right ones for index 0
   const uint8_t *left_new2, *left_old2, *right_new2, *right_old2;
-  int slot_words() const { return wide + 2 * pad; }
+  int wide() const { return known ? known : any_wide; }  // disparities, rounded up to whole vectors
+  int slot_words() const { return wide() + 2 * pad; }
   int16_t* costs(int p) const { return ring + (p & (slots - 1)) * slot_words() + pad; }
 };
 
@@ -60,11 +62,11 @@ HWY_INLINE V8 pixel_costs(D8 d8, const uint8_t* left, const uint8_t* right, cons
 }
 
 /// The column sums without the window's newest row, made anew from the rows [from, to).
-template <Cost cost, class D8>
-void begin_columns(D8 d8, const Row& row, int y_from, int y_to) {
+template <Cost cost, class D8, int known>
+void begin_columns(D8 d8, const Row<known>& row, int y_from, int y_to) {
   const BlockSearch& s = row.s;
   const int n8 = static_cast<int>(hn::Lanes(d8)), columns = row.pixels + s.window - 1, left = s.first_column() - s.window / 2;
-  std::memset(row.columns - static_cast<ptrdiff_t>(s.window) * row.wide, 0, static_cast<size_t>(columns + s.window) * row.wide);
+  std::memset(row.columns - static_cast<ptrdiff_t>(s.window) * row.wide(), 0, static_cast<size_t>(columns + s.window) * row.wide());
   const auto cap = hn::Set(d8, static_cast<uint8_t>(s.cap));
   for (int y = y_from; y < y_to; ++y) {
     const int there = s.left.width - 1 - left + s.min_disparity;
@@ -72,8 +74,8 @@ void begin_columns(D8 d8, const Row& row, int y_from, int y_to) {
     const uint8_t* l2 = cost == Cost::hamming_two ? s.left_more.row(y) + left : l;
     const uint8_t* r2 = cost == Cost::hamming_two ? s.right_more.row(y) + there : r;
     for (int q = 0; q < columns; ++q) {
-      for (int i = 0; i < row.wide; i += n8) {
-        uint8_t* to = row.columns + q * row.wide + i;
+      for (int i = 0; i < row.wide(); i += n8) {
+        uint8_t* to = row.columns + q * row.wide() + i;
         hn::Store(hn::Add(hn::Load(d8, to), pixel_costs<cost>(d8, l + q, r - q + i, l2 + q, r2 - q + i, cap)), d8, to);
       }
     }
@@ -81,27 +83,27 @@ void begin_columns(D8 d8, const Row& row, int y_from, int y_to) {
 }
 
 /// Columns [from, to): column sums brought to this row, window sums moved on, and from the first whole window on stored as costs.
-template <Cost cost, bool subtract, class D8>
-HWY_INLINE void sum_strip(D8 d8, const Row& row, int from, int to) {
+template <Cost cost, bool subtract, class D8, int known>
+HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
   const hn::Half<D8> half8;
   const hn::Repartition<int16_t, D8> d16;
   const int n8 = static_cast<int>(hn::Lanes(d8)), n16 = n8 / 2, w = row.s.window;
   const auto cap = hn::Set(d8, static_cast<uint8_t>(row.s.cap));
-  for (int i = 0; i < row.wide; i += n8) {
+  for (int i = 0; i < row.wide(); i += n8) {
     auto sum0 = hn::Load(d16, row.sums + i), sum1 = hn::Load(d16, row.sums + i + n16);
     // What lies beyond the last disparity must never be the least.
     const auto last = hn::Set(d16, static_cast<int16_t>(row.s.disparities - i - 1)), over = hn::Set(d16, above);
     const auto beyond0 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, 0), last), over);
     const auto beyond1 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, static_cast<int16_t>(n16)), last), over);
     for (int q = from; q < to; ++q) {
-      uint8_t* column = row.columns + q * row.wide + i;
+      uint8_t* column = row.columns + q * row.wide() + i;
       auto costs = hn::Load(d8, column);
       if constexpr (subtract) {
         costs = hn::Sub(costs, pixel_costs<cost>(d8, row.left_old + q, row.right_old - q + i, row.left_old2 + q, row.right_old2 - q + i, cap));
       }
       costs = hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, cap));
       hn::Store(costs, d8, column);
-      const uint8_t* gone = column - static_cast<ptrdiff_t>(w) * row.wide;
+      const uint8_t* gone = column - static_cast<ptrdiff_t>(w) * row.wide();
       sum0 = hn::Add(sum0, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column)), hn::PromoteTo(d16, hn::Load(half8, gone))));
       sum1 = hn::Add(sum1, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column + n16)), hn::PromoteTo(d16, hn::Load(half8, gone + n16))));
       if (q < w - 1) continue;
@@ -128,13 +130,25 @@ HWY_INLINE int16_t least_of(D16 d16, V16 v) {
 }
 
 /// What the right view's pixels cost at best, brought up to date with the pixels [from, to), at most `block` of them.
-template <class D16>
-HWY_INLINE void take_right(D16 d16, const Row& row, int from, int to) {
-  const int n16 = static_cast<int>(hn::Lanes(d16));
-  int16_t* right = row.right + (row.pixels - 1 - from);
+template <class D16, int known>
+HWY_INLINE void take_right(D16 d16, const Row<known>& row, int from, int to) {
+  const int n16 = static_cast<int>(hn::Lanes(d16)), next = row.slot_words() + 1;
+  int16_t* HWY_RESTRICT right = row.right + (row.pixels - 1 - from);
+  // A block does not wrap around in the ring: its pixels' costs lie one behind the other.
+  const int16_t* HWY_RESTRICT costs = row.costs(from);
   for (int k = 1 - block; k < row.s.disparities; k += n16) {
     auto best = hn::LoadU(d16, right + k);
-    for (int p = from; p < to; ++p) best = hn::Min(best, hn::LoadU(d16, row.costs(p) + k + (p - from)));
+    if (to - from == block) {
+      auto other = hn::LoadU(d16, costs + k);
+      for (int i = 1; i < block; i += 3) {
+        best = hn::Min(best, hn::LoadU(d16, costs + k + i * next));
+        other = hn::Min(other, hn::LoadU(d16, costs + k + (i + 1) * next));
+        best = hn::Min(best, hn::LoadU(d16, costs + k + (i + 2) * next));
+      }
+      best = hn::Min(best, other);
+    } else {
+      for (int i = 0; i < to - from; ++i) best = hn::Min(best, hn::LoadU(d16, costs + k + i * next));
+    }
     hn::StoreU(best, d16, right + k);
   }
 }
@@ -206,10 +220,10 @@ HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
 }
 
 /// Chooses for the pixels [from, to), and asks how many rivals each has.
-template <class D16>
-HWY_INLINE void choose_strip(D16 d16, const Row& row, int from, int to, const Candidates& out) {
+template <class D16, int known>
+HWY_INLINE void choose_strip(D16 d16, const Row<known>& row, int from, int to, const Candidates& out) {
   const hn::CappedTag<int16_t, 32> wide16;
-  const int first = row.s.first_column(), wide = row.wide;
+  const int first = row.s.first_column(), wide = row.wide();
   for (int p = from; p < to; ++p) choose(d16, row.costs(p), wide, first + p, out);
   for (int p = from; p < to; p += static_cast<int>(hn::Lanes(wide16))) {
     const auto cost = hn::LoadU(wide16, reinterpret_cast<const int16_t*>(out.cost) + first + p);
@@ -223,7 +237,8 @@ HWY_INLINE void choose_strip(D16 d16, const Row& row, int from, int to, const Ca
 }
 
 /// The whole row's refusals, and neighbours where the search ends.
-void refuse(const Row& row, const Candidates& out) {
+template <int known>
+void refuse(const Row<known>& row, const Candidates& out) {
   const hn::CappedTag<int16_t, 32> d16;
   const int first = row.s.first_column();
   for (int p = 0; p < row.pixels; ++p) row.back[p] = row.right[row.pixels - 1 - p + out.index[first + p]];
@@ -246,15 +261,15 @@ void refuse(const Row& row, const Candidates& out) {
   }
 }
 
-template <Cost cost, class D8>
-void match(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch, const Candidates& out) {
+template <Cost cost, int known, class D8>
+void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch, const Candidates& out) {
   const hn::Repartition<int16_t, D8> d16;
   const int n8 = static_cast<int>(hn::Lanes(d8)), r = s.window / 2, first = s.first_column(), left = first - r;
-  const int pixels = s.last_column() - first, wide = (s.disparities + n8 - 1) / n8 * n8;
+  const int pixels = s.last_column() - first, wide = known ? known : (s.disparities + n8 - 1) / n8 * n8;
   const int there = s.left.width - 1 - left + s.min_disparity, old = std::max(y - r - 1, 0);
   const bool two = cost == Cost::hamming_two;
   const View8 left2 = two ? s.left_more : s.left, right2 = two ? s.right_more : s.right;
-  const Row row{s, pixels, wide, scratch.columns() + static_cast<ptrdiff_t>(s.window) * wide, scratch.costs(),
+  const Row<known> row{s, pixels, wide, scratch.columns() + static_cast<ptrdiff_t>(s.window) * wide, scratch.costs(),
                 scratch.right_best() + pad, scratch.sums(), scratch.row(0), scratch.row(1), scratch.row(2), scratch.row(3),
                 s.left.row(y + r) + left, s.left.row(old) + left, s.right.row(y + r) + there, s.right.row(old) + there,
                 left2.row(y + r) + left, left2.row(old) + left, right2.row(y + r) + there, right2.row(old) + there};
@@ -279,6 +294,15 @@ void match(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch
     choose_strip(d16, row, std::max(p - 1, 0), chosen, out);
   }
   refuse(row, out);
+}
+
+template <Cost cost, class D8>
+void match(D8 d8, const BlockSearch& s, int row, bool fresh, BlockScratch& scratch, const Candidates& out) {
+  const int n8 = static_cast<int>(hn::Lanes(d8)), wide = (s.disparities + n8 - 1) / n8 * n8;
+  if (wide == hn::MaxLanes(D8())) return match_wide<cost, static_cast<int>(hn::MaxLanes(D8()))>(d8, s, row, fresh, scratch, out);
+  if (cost == Cost::differences && wide == 48) return match_wide<cost, 48>(d8, s, row, fresh, scratch, out);
+  if (cost == Cost::differences && wide == 64) return match_wide<cost, 64>(d8, s, row, fresh, scratch, out);
+  match_wide<cost, 0>(d8, s, row, fresh, scratch, out);
 }
 
 template <Cost cost>
