@@ -41,7 +41,7 @@ struct BlockSearch {
 /// Why a candidate is not to be trusted; bits.
 inline constexpr uint16_t candidate_not_unique = 1, candidate_left_right = 2;
 
-/// A percentage in 1/65536, rounded up: p % of c is c * percent_factor(p) >> 16.
+/// A percentage below 100 in 1/65536, rounded up: p % of c is c * percent_factor(p) >> 16.
 constexpr int percent_factor(int percent) { return (65536 * percent + 99) / 100; }
 
 /// One row, an element a pixel, valid for columns [first_column, last_column) of the search. Up to `row_margin` elements behind the

@@ -48,15 +48,14 @@ struct Row {
   int16_t* costs(int p) const { return ring + (p & (slots - 1)) * slot_words() + pad; }
 };
 
-template <Cost cost, class D8, class V8 = hn::Vec<D8>>
+template <Cost cost, class D8, class V8 = hn::Vec<D8> >
 HWY_INLINE V8 pixel_costs(D8 d8, const uint8_t* left, const uint8_t* right, const uint8_t* left2, const uint8_t* right2, V8 cap) {
   const V8 l = hn::Set(d8, *left), r = hn::LoadU(d8, right);
   if constexpr (cost == Cost::differences) {
     return hn::Min(hn::Or(hn::SaturatedSub(l, r), hn::SaturatedSub(r, l)), cap);
   } else {
     V8 bits = hn::PopulationCount(hn::Xor(l, r));
-    if constexpr (cost == Cost::hamming_two)
-      bits = hn::Add(bits, hn::PopulationCount(hn::Xor(hn::Set(d8, *left2), hn::LoadU(d8, right2))));
+    if constexpr (cost == Cost::hamming_two) bits = hn::Add(bits, hn::PopulationCount(hn::Xor(hn::Set(d8, *left2), hn::LoadU(d8, right2))));
     return bits;
   }
 }
@@ -99,9 +98,11 @@ HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
       uint8_t* column = row.columns + q * row.wide() + i;
       auto costs = hn::Load(d8, column);
       if constexpr (subtract) {
-        costs = hn::Sub(costs, pixel_costs<cost>(d8, row.left_old + q, row.right_old - q + i, row.left_old2 + q, row.right_old2 - q + i, cap));
+        costs =
+            hn::Sub(costs, pixel_costs<cost>(d8, row.left_old + q, row.right_old - q + i, row.left_old2 + q, row.right_old2 - q + i, cap));
       }
-      costs = hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, cap));
+      costs =
+          hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, cap));
       hn::Store(costs, d8, column);
       const uint8_t* gone = column - static_cast<ptrdiff_t>(w) * row.wide();
       sum0 = hn::Add(sum0, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column)), hn::PromoteTo(d16, hn::Load(half8, gone))));
@@ -116,7 +117,7 @@ HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
   }
 }
 
-template <class D16, class V16 = hn::Vec<D16>>
+template <class D16, class V16 = hn::Vec<D16> >
 HWY_INLINE int16_t least_of(D16 d16, V16 v) {
 #if HWY_ARCH_X86
   if constexpr (hn::MaxLanes(D16()) == 8) {
@@ -214,9 +215,11 @@ HWY_INLINE int16_t count_rivals(D16 d16, const int16_t* HWY_RESTRICT costs, int 
 }
 
 /// cost + percent of it.
-template <class D16, class V16 = hn::Vec<D16>>
+template <class D16, class V16 = hn::Vec<D16> >
 HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
-  return hn::Add(cost, hn::MulHigh(cost, hn::Set(d16, static_cast<int16_t>(percent_factor(percent)))));
+  const hn::RebindToUnsigned<D16> du;
+  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(percent_factor(percent))));
+  return hn::Add(cost, hn::BitCast(d16, part));
 }
 
 /// Chooses for the pixels [from, to), and asks how many rivals each has.
@@ -269,10 +272,25 @@ void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& sc
   const int there = s.left.width - 1 - left + s.min_disparity, old = std::max(y - r - 1, 0);
   const bool two = cost == Cost::hamming_two;
   const View8 left2 = two ? s.left_more : s.left, right2 = two ? s.right_more : s.right;
-  const Row<known> row{s, pixels, wide, scratch.columns() + static_cast<ptrdiff_t>(s.window) * wide, scratch.costs(),
-                scratch.right_best() + pad, scratch.sums(), scratch.row(0), scratch.row(1), scratch.row(2), scratch.row(3),
-                s.left.row(y + r) + left, s.left.row(old) + left, s.right.row(y + r) + there, s.right.row(old) + there,
-                left2.row(y + r) + left, left2.row(old) + left, right2.row(y + r) + there, right2.row(old) + there};
+  const Row<known> row{s,
+                       pixels,
+                       wide,
+                       scratch.columns() + static_cast<ptrdiff_t>(s.window) * wide,
+                       scratch.costs(),
+                       scratch.right_best() + pad,
+                       scratch.sums(),
+                       scratch.row(0),
+                       scratch.row(1),
+                       scratch.row(2),
+                       scratch.row(3),
+                       s.left.row(y + r) + left,
+                       s.left.row(old) + left,
+                       s.right.row(y + r) + there,
+                       s.right.row(old) + there,
+                       left2.row(y + r) + left,
+                       left2.row(old) + left,
+                       right2.row(y + r) + there,
+                       right2.row(old) + there};
   if (fresh) {
     fill_above(row.ring, slots * row.slot_words());
     begin_columns<cost>(d8, row, y - r, y + r);
@@ -281,9 +299,7 @@ void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& sc
   fill_above(row.right - pad, pixels + wide + 2 * pad);
   fill_above(row.costs(-1), wide);
 
-  const auto sum = [&](int from, int to) {
-    fresh ? sum_strip<cost, false>(d8, row, from, to) : sum_strip<cost, true>(d8, row, from, to);
-  };
+  const auto sum = [&](int from, int to) { fresh ? sum_strip<cost, false>(d8, row, from, to) : sum_strip<cost, true>(d8, row, from, to); };
   sum(0, s.window - 1);
   for (int p = 0; p < pixels; p += strip) {
     const int end = std::min(p + strip, pixels);

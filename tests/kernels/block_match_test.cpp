@@ -24,14 +24,18 @@ struct Rows {
 /// A left view, and a right one that is the left moved by 5 px with some noise, mirrored.
 struct Pair {
   Pair(int width, int height, Content content, uint8_t most)
-      : left(width, height), right(width, height, mirrored_margin + 3), left_more(width, height), right_more(width, height, mirrored_margin) {
+      : left(width, height),
+        right(width, height, mirrored_margin + 3),
+        left_more(width, height),
+        right_more(width, height, mirrored_margin) {
     fill(left, content, 7, most);
     fill(left_more, Content::noise, 8, static_cast<uint8_t>(15));
     fill(right_more, Content::noise, 9, static_cast<uint8_t>(15));
     std::minstd_rand random(3);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        right.at(width - 1 - x, y) = static_cast<uint8_t>(std::min<int>(most, left.at(std::min(x + 5, width - 1), y) + static_cast<int>((random() >> 8) % 3)));
+        right.at(width - 1 - x, y) =
+            static_cast<uint8_t>(std::min<int>(most, left.at(std::min(x + 5, width - 1), y) + static_cast<int>((random() >> 8) % 3)));
   }
   BlockSearch search(Cost cost, int window, int disparities, int least) const {
     BlockSearch s;
@@ -57,7 +61,8 @@ void compare_rows(MatchRow* expected, MatchRow* got, const BlockSearch& s) {
     const bool fresh = y == r || y == s.left.height / 2;
     expected(s, y, fresh, one, a.row());
     got(s, y, fresh, two, b.row());
-    ASSERT_EQ(a.columns(s.first_column(), s.last_column()), b.columns(s.first_column(), s.last_column())) << "row " << y << " window " << s.window << " disparities " << s.disparities << " from " << s.min_disparity;
+    ASSERT_EQ(a.columns(s.first_column(), s.last_column()), b.columns(s.first_column(), s.last_column()))
+        << "row " << y << " window " << s.window << " disparities " << s.disparities << " from " << s.min_disparity;
   }
 }
 
@@ -67,7 +72,8 @@ TEST(MatchRow, is_the_same_at_every_level) {
       const Pair pair(170, 26, content, 62);
       for (int window : {5, 11, 21}) {
         for (int disparities : {16, 32, 48, 64, 80, 128}) {
-          for (int least : {0, -9, 7}) compare_rows(plain::match_row, k.match_row, pair.search(Cost::differences, window, disparities, least));
+          for (int least : {0, -9, 7})
+            compare_rows(plain::match_row, k.match_row, pair.search(Cost::differences, window, disparities, least));
         }
       }
     }
