@@ -38,7 +38,7 @@ int pixel_cost(const BlockSearch& s, int x, int y, int disparity) {
   return bits;
 }
 
-int more(int cost, int percent) { return cost + (cost * percent_factor(percent) >> 16); }
+int more(int cost, int factor) { return cost + (cost * factor >> 16); }
 
 /// The sums of the columns of this row's windows, from those of the row before or anew.
 void sum_columns(const BlockSearch& s, int row, bool fresh, int columns, uint8_t* sums) {

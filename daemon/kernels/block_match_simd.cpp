@@ -214,11 +214,11 @@ HWY_INLINE int16_t count_rivals(D16 d16, const int16_t* HWY_RESTRICT costs, int 
 #endif
 }
 
-/// cost + percent of it.
+/// cost and a part of it.
 template <class D16, class V16 = hn::Vec<D16> >
-HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
+HWY_INLINE V16 more(D16 d16, V16 cost, int factor) {
   const hn::RebindToUnsigned<D16> du;
-  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(percent_factor(percent))));
+  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(factor)));
   return hn::Add(cost, hn::BitCast(d16, part));
 }
 

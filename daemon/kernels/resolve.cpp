@@ -19,7 +19,7 @@ Match match_of(const Hypothesis& hypothesis, int x, int moved) {
   return {16 * (hypothesis.min_disparity + c.index[x]) + moved, c.cost[x], c.before[x], c.after[x], c.refused[x]};
 }
 
-int more(int cost, int percent) { return cost + (cost * percent_factor(percent) >> 16); }
+int more(int cost, int factor) { return cost + (cost * factor >> 16); }
 
 Match choose(const Resolve& r, Match match, const Match& floor) {
   const bool floor_wins = floor.cost <= match.cost;

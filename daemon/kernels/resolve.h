@@ -20,8 +20,8 @@ struct Hypothesis {
 struct Resolve {
   int width = 0;
   int min_disparity = 0, disparities = 0;  ///< px: what leaves this range is outside
-  int unique = 10;                         ///< percent by which a match must beat the other hypothesis' where they differ; 0: not asked
-  int floor_margin = 50;                   ///< the same for a match against the floor: how much worse the floor may fit and still refuse it
+  int unique = 0;                          ///< part of its cost by which the floor must beat a match that differs (percent_factor); 0: neither asked
+  int floor_margin = 0;                    ///< part by which a match must beat the floor
   int texture_least = 0;
   int16_t outside = 0, low_texture = 0, not_unique = 0, left_right = 0;
 };

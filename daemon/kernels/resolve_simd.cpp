@@ -36,9 +36,9 @@ struct Decided {
 const int16_t* words(const uint16_t* row) { return reinterpret_cast<const int16_t*>(row); }
 
 template <class D16, class V16 = hn::Vec<D16>>
-HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
+HWY_INLINE V16 more(D16 d16, V16 cost, int factor) {
   const hn::RebindToUnsigned<D16> du;
-  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(percent_factor(percent))));
+  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(factor)));
   return hn::Add(cost, hn::BitCast(d16, part));
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int gradient_cap = 31;       // as in OpenCV's StereoBM: contrast above it counts as this much
 constexpr int floor_disparities = 16;  // searched around the floor expected
+constexpr int floor_margin = 50;       // percent the floor may fit worse than a match off it, and still refuse that
+constexpr int left_right_margin = 10;  // percent: where the right view is in doubt itself it refuses nothing
 constexpr int least_band = 32;         // rows: a band begins by summing a whole window
 
 kernels::View8 view_of(const Image& image) {
@@ -44,7 +46,9 @@ kernels::BlockSearch BlockMatcher::plain_search() const {
   search.cap = std::min(2 * gradient_cap, 255 / p.corrsize);
   search.disparities = p.ndisp;
   search.min_disparity = p.minDisparity;
-  search.unique = p.unique;
+  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`.
+  search.unique = kernels::percent_factor(p.unique) * 4 / 5;
+  search.left_right = kernels::percent_factor(left_right_margin);
   search.left = left_.plane;
   search.right = right_.plane;
   return search;
@@ -104,8 +108,10 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
   const int width = out.spec.width, height = out.spec.height, reach = p.corrsize / 2;
   const kernels::BlockSearch plain = plain_search(), aligned = floor_search();
   const kernels::Hypothesis match = hypothesis(plain, band, 0), ground = hypothesis(aligned, band, 1);
-  kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp, .unique = p.unique};
-  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
+  kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
+  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 4;
+  resolve.unique = plain.unique;
+  resolve.floor_margin = kernels::percent_factor(floor_margin);
   resolve.outside = rejected(Rejected::outside);
   resolve.low_texture = rejected(Rejected::low_texture);
   resolve.not_unique = rejected(Rejected::not_unique);

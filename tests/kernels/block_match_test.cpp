@@ -41,6 +41,7 @@ struct Pair {
     BlockSearch s;
     s.cost = cost;
     s.window = window;
+    s.unique = s.left_right = percent_factor(10);
     s.cap = 255 / window;
     s.disparities = disparities;
     s.min_disparity = least;

@@ -93,7 +93,8 @@ TEST(ResolveRow, is_the_same_at_every_level) {
         std::vector<uint16_t> texture(static_cast<size_t>(width));
         for (size_t x = 0; x < texture.size(); ++x) texture[x] = static_cast<uint16_t>(x * 7 % 50);
         Resolve r{.width = width, .min_disparity = static_cast<int>(seed % 3) - 1, .disparities = 16, .texture_least = 10};
-        r.unique = seed % 4 ? 10 : 0;
+        r.unique = seed % 4 ? percent_factor(10) : 0;
+        r.floor_margin = percent_factor(50);
         r.outside = -32005, r.low_texture = -32001, r.not_unique = -32002, r.left_right = -32003;
         const Hypothesis match = one.hypothesis(width / 6, width - width / 9, r.min_disparity);
         const Hypothesis floor = two.hypothesis(width / 5, width - width / 7, -8);
@@ -118,7 +119,7 @@ TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   const auto set = [](Found& f, uint16_t index, uint16_t cost) {
     for (size_t i = 0; i < 5; ++i) f.rows[i][0] = std::array<uint16_t, 5>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0}[i];
   };
-  Resolve r{.width = 1, .disparities = 32, .unique = 10, .floor_margin = 50, .outside = -5, .not_unique = -2};
+  Resolve r{.width = 1, .disparities = 32, .unique = percent_factor(10), .floor_margin = percent_factor(50), .outside = -5, .not_unique = -2};
   const uint16_t texture = 0;
   int16_t out = 0;
   const auto resolve = [&] {
