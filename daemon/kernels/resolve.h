@@ -26,7 +26,7 @@ struct Resolve {
   int16_t outside = 0, low_texture = 0, not_unique = 0, left_right = 0;
 };
 /// Disparities of two hypotheses are the same up to here, 1/16 px.
-inline constexpr int same_disparity = 32;
+inline constexpr int same_disparity = 16;
 
 /// Writes out[0 .. width): the disparity in 1/16 px, or the reason. Pixels outside [plain.first, plain.last) are outside.
 ///

@@ -136,7 +136,7 @@ TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   set(two, 8, 95);
   EXPECT_EQ(resolve(), -2) << "the match fits nearly as well as the floor";
   set(one, 11, 95), set(two, 8, 95);
-  EXPECT_EQ(resolve(), 16 * 10) << "both say the same within 2 px";
+  EXPECT_EQ(resolve(), 16 * 10) << "both say the same within 1 px";
 }
 
 TEST(ResolveRow, the_sub_pixel_part_is_where_two_equal_slopes_meet) {
