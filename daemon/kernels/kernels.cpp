@@ -28,6 +28,9 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .speckle_label = plain::speckle_label,
+      .speckle_join = plain::speckle_join,
+      .speckle_refuse = plain::speckle_refuse,
   };
 }
 
@@ -51,6 +54,8 @@ Kernels kernels(std::string_view level) {
     if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
+    choose_speckle_label(table);
+    choose_speckle_refuse(table);
     return table;
   }
   std::string names;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/speckle.h"
 
 namespace vdisp::kernels {
 
@@ -14,6 +15,9 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  SpeckleLabel* speckle_label;
+  SpeckleJoin* speckle_join;
+  SpeckleRefuse* speckle_refuse;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.
