@@ -28,6 +28,8 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .mean3x3 = plain::mean3x3,
+      .median3x3 = plain::median3x3,
       .speckle_label = plain::speckle_label,
       .speckle_join = plain::speckle_join,
       .speckle_refuse = plain::speckle_refuse,
@@ -54,6 +56,7 @@ Kernels kernels(std::string_view level) {
     if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
+    choose_smooth(table);
     choose_speckle_label(table);
     choose_speckle_refuse(table);
     return table;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/smooth.h"
 #include "daemon/kernels/speckle.h"
 
 namespace vdisp::kernels {
@@ -15,6 +16,7 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  Smooth3x3 *mean3x3, *median3x3;
   SpeckleLabel* speckle_label;
   SpeckleJoin* speckle_join;
   SpeckleRefuse* speckle_refuse;

@@ -16,6 +16,7 @@ namespace vdisp::kernels {
 struct Kernels;
 /// Each writes its kernels into the table, in the form of the chosen target.
 void choose_prefilter(Kernels& table);
+void choose_smooth(Kernels& table);
 void choose_speckle_label(Kernels& table);
 void choose_speckle_refuse(Kernels& table);
 
