@@ -11,6 +11,8 @@
 #include "daemon/kernels/resolve.h"
 #include "daemon/kernels/shear.h"
 #include "daemon/kernels/texture.h"
+#include "daemon/kernels/smooth.h"
+#include "daemon/kernels/speckle.h"
 
 namespace vdisp::kernels {
 
@@ -23,6 +25,10 @@ struct Kernels {
   ShearRow* shear_row;
   MirrorRow* mirror_row;
   TextureRow* texture_row;
+  Smooth3x3 *mean3x3, *median3x3;
+  SpeckleLabel* speckle_label;
+  SpeckleJoin* speckle_join;
+  SpeckleRefuse* speckle_refuse;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.
