@@ -28,6 +28,7 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .rectify = plain::rectify,
   };
 }
 
@@ -51,6 +52,7 @@ Kernels kernels(std::string_view level) {
     if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
+    choose_rectify(table);
     return table;
   }
   std::string names;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/rectify.h"
 
 namespace vdisp::kernels {
 
@@ -14,6 +15,7 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  Rectify* rectify;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

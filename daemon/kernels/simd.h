@@ -16,5 +16,6 @@ namespace vdisp::kernels {
 struct Kernels;
 /// Each writes its kernels into the table, in the form of the chosen target.
 void choose_prefilter(Kernels& table);
+void choose_rectify(Kernels& table);
 
 }  // namespace vdisp::kernels
