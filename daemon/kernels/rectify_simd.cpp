@@ -49,15 +49,27 @@ HWY_INLINE Vec16 weigh(Vec pairs, Vec weights) {
 #endif
 }
 
-/// Numbers of 0 .. 255 as bytes, eight of a, eight of b, and so on.
-HWY_INLINE Vec bytes_of(Vec16 a, Vec16 b) {
+/// The first block of a, numbers of 0 .. 255, as bytes.
+HWY_INLINE void store_block(Vec16 a, uint8_t* to) {
+  const hn::CappedTag<int16_t, block> one;
+  const hn::Rebind<uint8_t, decltype(one)> eight;
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
-  return Vec{_mm256_packus_epi16(a.raw, b.raw)};
-#elif HWY_ARCH_X86
-  return Vec{_mm_packus_epi16(a.raw, b.raw)};
+  hn::StoreU(hn::DemoteTo(eight, hn::LowerHalf(a)), eight, to);
 #else
-  const Bytes d8;
-  return hn::ConcatEven(d8, hn::BitCast(d8, b), hn::BitCast(d8, a));
+  hn::StoreU(hn::DemoteTo(eight, a), eight, to);
+#endif
+}
+
+/// The first block of a, the first of b, the second of a, and so on.
+HWY_INLINE void store_group(Vec16 a, Vec16 b, uint8_t* to) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  hn::StoreU(Vec{_mm256_packus_epi16(a.raw, b.raw)}, Bytes(), to);
+#elif HWY_ARCH_X86
+  hn::StoreU(Vec{_mm_packus_epi16(a.raw, b.raw)}, Bytes(), to);
+#else
+  // Not ConcatEven: Highway 1.0.3 has it wrong for part of a vector on SVE of 256 bits.
+  store_block(a, to);
+  store_block(b, to + block);
 #endif
 }
 
@@ -136,7 +148,7 @@ HWY_NOINLINE int inside_run(const Row r, int b, int end, uint8_t* to) {
     const auto first = inside_blocks<rows>(r, b, b + next, hn::InterleaveLower(d8, rest_x, part_x), hn::InterleaveLower(d8, zero, part_y));
     const auto second =
         inside_blocks<rows>(r, b + 1, b + 1 + next, hn::InterleaveUpper(d8, rest_x, part_x), hn::InterleaveUpper(d8, zero, part_y));
-    hn::StoreU(bytes_of(first, second), d8, to + b * block);
+    store_group(first, second, to + b * block);
   }
   return b;
 }
@@ -176,9 +188,7 @@ HWY_NOINLINE void any_block(const RectifyTable& table, const Row& r, int b, int 
   } else if (place < 0 && table.special(place).kind == RectifyTable::Kind::scattered) {
     for (int i = 0; i < block; ++i) to[i] = plain::rectified(r.in, table.source(b * block + i, y));
   } else {
-    const auto pixels = window_block<rows>(table, r, b);
-    const uint64_t eight = hn::GetLane(hn::BitCast(hn::Repartition<uint64_t, Bytes>(), bytes_of(pixels, pixels)));
-    std::memcpy(to, &eight, sizeof eight);
+    store_block(window_block<rows>(table, r, b), to);
   }
 }
 
