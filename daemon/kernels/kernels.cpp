@@ -29,6 +29,7 @@ Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
       .rectify = plain::rectify,
+      .debayer = plain::debayer,
   };
 }
 
@@ -53,6 +54,7 @@ Kernels kernels(std::string_view level) {
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
     choose_rectify(table);
+    choose_debayer(table);
     return table;
   }
   std::string names;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/kernels/debayer.h"
 #include "daemon/kernels/prefilter.h"
 #include "daemon/kernels/rectify.h"
 
@@ -16,6 +17,7 @@ namespace vdisp::kernels {
 struct Kernels {
   XSobel* x_sobel;
   Rectify* rectify;
+  Debayer* debayer;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

@@ -17,5 +17,6 @@ struct Kernels;
 /// Each writes its kernels into the table, in the form of the chosen target.
 void choose_prefilter(Kernels& table);
 void choose_rectify(Kernels& table);
+void choose_debayer(Kernels& table);
 
 }  // namespace vdisp::kernels
