@@ -38,6 +38,8 @@ Kernels plain_kernels() {
       .speckle_label = plain::speckle_label,
       .speckle_join = plain::speckle_join,
       .speckle_refuse = plain::speckle_refuse,
+      .rectify = plain::rectify,
+      .debayer = plain::debayer,
   };
 }
 
@@ -68,6 +70,8 @@ Kernels kernels(std::string_view level) {
     choose_smooth(table);
     choose_speckle_label(table);
     choose_speckle_refuse(table);
+    choose_rectify(table);
+    choose_debayer(table);
     return table;
   }
   std::string names;

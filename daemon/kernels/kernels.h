@@ -13,6 +13,8 @@
 #include "daemon/kernels/texture.h"
 #include "daemon/kernels/smooth.h"
 #include "daemon/kernels/speckle.h"
+#include "daemon/kernels/debayer.h"
+#include "daemon/kernels/rectify.h"
 
 namespace vdisp::kernels {
 
@@ -29,6 +31,8 @@ struct Kernels {
   SpeckleLabel* speckle_label;
   SpeckleJoin* speckle_join;
   SpeckleRefuse* speckle_refuse;
+  Rectify* rectify;
+  Debayer* debayer;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

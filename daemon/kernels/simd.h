@@ -23,5 +23,7 @@ void choose_texture(Kernels& table);
 void choose_smooth(Kernels& table);
 void choose_speckle_label(Kernels& table);
 void choose_speckle_refuse(Kernels& table);
+void choose_rectify(Kernels& table);
+void choose_debayer(Kernels& table);
 
 }  // namespace vdisp::kernels
