@@ -5,7 +5,7 @@
 #include <algorithm>
 
 namespace vdisp {
-Disparity::Disparity(Machine& machine, const Config& config) : config_(config), expectation_(config) {
+Disparity::Disparity(Machine& machine, const Config& config) : machine_(machine), config_(config), expectation_(config) {
   if (config.image_source.matcher == "bm") {
     block_.emplace(machine, config);
   } else {
@@ -31,6 +31,7 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
   const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
   if (block_) block_->prepare(out);
   if (opencv_) opencv_->prepare(out);
+  speckles_.emplace(out.width, out.height);
   return {out};
 }
 
@@ -53,19 +54,13 @@ Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* co
 void Disparity::refuse_speckles(Image& out) noexcept {
   const auto& p = config_.image_source;
   if (p.SpeckleSize == 0) return;
-  cv::Mat disparity(out.spec.height, out.spec.width, CV_16S, out.row<int16_t>(0), out.spec.stride());
-  const int16_t none = static_cast<int16_t>((p.minDisparity - 1) * 16);
-  disparity.copyTo(before_);
-  // The filter takes every value but `newVal` for a disparity: what is rejected already must not make regions.
-  disparity.setTo(none, disparity < rejected_base);
-  cv::filterSpeckles(disparity, none, p.SpeckleSize, p.SpeckleDiff * 4, speckles_);
-  for (int v = 0; v < disparity.rows; ++v) {
-    int16_t* d = disparity.ptr<int16_t>(v);
-    const int16_t* before = before_.ptr<int16_t>(v);
-    for (int u = 0; u < disparity.cols; ++u) {
-      if (d[u] == none) d[u] = rejected_code(before[u]) ? before[u] : rejected(Rejected::speckle);
-    }
-  }
+  constexpr int least_band = 64;  // rows: joining bands has its price too
+  const auto& k = machine_.kernels;
+  const kernels::SpeckleRule rule{rejected_base, rejected(Rejected::speckle), p.SpeckleDiff * 4, p.SpeckleSize};
+  const kernels::Plane<int16_t> plane{out.row<int16_t>(0), out.spec.width, out.spec.height, static_cast<ptrdiff_t>(out.spec.stride() / sizeof(int16_t))};
+  machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_label(plane, rule, first, last, *speckles_); });
+  k.speckle_join(plane, rule, *speckles_);
+  machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_refuse(rule, first, last, *speckles_, plane); });
 }
 
 }  // namespace vdisp

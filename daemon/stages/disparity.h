@@ -21,11 +21,12 @@ class Disparity final : public ImageProcessor {
  private:
   void refuse_speckles(Image& out) noexcept;
 
+  Machine& machine_;
   const Config& config_;
   FloorExpectation expectation_;
   std::optional<BlockMatcher> block_;  // one of these is set
   std::optional<OpenCvMatcher> opencv_;
-  cv::Mat before_, speckles_;  // work space of the speckle filter
+  std::optional<kernels::SpeckleScratch> speckles_;
 };
 
 }  // namespace vdisp
