@@ -33,6 +33,7 @@ struct BlockSearch {
   int min_disparity = 0;  ///< px
   int unique = 0;         ///< part of its cost by which a match must beat its rivals (percent_factor); 0: not asked
   int left_right = 0;     ///< part by which the right view must match better elsewhere to refuse a match
+  int home = -1;          ///< index whose cost is wanted besides, 1 .. disparities - 2; -1: none
   View8 left, right;
   View8 left_more, right_more;  ///< hamming_two
 
@@ -53,6 +54,7 @@ struct Candidates {
   uint16_t* before;   ///< cost of index - 1, of index + 1 where the search begins
   uint16_t* after;    ///< cost of index + 1, of index - 1 where the search ends
   uint16_t* refused;  ///< candidate_ bits
+  uint16_t* home;     ///< the least cost of the search's home and the two beside it; null where none is wanted
 };
 
 /// Work space of one band of rows for searches of up to this size.

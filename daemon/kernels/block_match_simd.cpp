@@ -228,6 +228,10 @@ HWY_INLINE void choose_strip(D16 d16, const Row<known>& row, int from, int to, c
   const hn::CappedTag<int16_t, 32> wide16;
   const int first = row.s.first_column(), wide = row.wide();
   for (int p = from; p < to; ++p) choose(d16, row.costs(p), wide, first + p, out);
+  for (int p = from; row.s.home > 0 && p < to; ++p) {
+    const int16_t* home = row.costs(p) + row.s.home;
+    out.home[first + p] = static_cast<uint16_t>(std::min(home[0], std::min(home[-1], home[1])));
+  }
   for (int p = from; p < to; p += static_cast<int>(hn::Lanes(wide16))) {
     const auto cost = hn::LoadU(wide16, reinterpret_cast<const int16_t*>(out.cost) + first + p);
     hn::StoreU(more(wide16, cost, row.s.unique), wide16, row.limits + p);

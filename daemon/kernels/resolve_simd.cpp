@@ -76,11 +76,13 @@ HWY_INLINE void decide_both(D16 d16, const Resolve& r, const Hypothesis& match, 
   const auto only_one = hn::Xor(passes, floor_passes);
   const auto take = hn::MaskFromVec(hn::IfThenElse(hn::And(same, only_one), hn::VecFromMask(d16, floor_passes), hn::VecFromMask(d16, cheaper)));
   const V16 taken = hn::IfThenElse(take, floor_cost, cost), rival = hn::IfThenElse(take, cost, floor_cost);
-  const V16 limit = hn::IfThenElse(take, more(d16, taken, r.unique), more(d16, taken, r.floor_margin));
-  const auto rivalled = hn::AndNot(same, hn::Not(hn::Gt(rival, limit)));
+  const auto rivalled = hn::AndNot(same, hn::Not(hn::Gt(rival, more(d16, taken, r.unique))));
+  const V16 taken_whole = hn::IfThenElse(take, floor_whole, whole), home = hn::LoadU(d16, words(f.home) + x);
+  const auto off = hn::Gt(hn::Abs(hn::Sub(taken_whole, moved)), hn::Set(d16, int16_t{off_floor}));
+  const auto explained = hn::And(off, hn::Not(hn::Gt(home, more(d16, taken, r.floor_margin))));
   V16 all = hn::IfThenElse(take, floor_refused, refused);
-  if (r.unique > 0) all = hn::Or(all, hn::IfThenElseZero(rivalled, hn::Set(d16, static_cast<int16_t>(candidate_not_unique))));
-  hn::Store(hn::IfThenElse(take, floor_whole, whole), d16, to.whole + at);
+  if (r.unique > 0) all = hn::Or(all, hn::IfThenElseZero(hn::Or(rivalled, explained), hn::Set(d16, static_cast<int16_t>(candidate_not_unique))));
+  hn::Store(taken_whole, d16, to.whole + at);
   hn::Store(taken, d16, to.cost + at);
   hn::Store(hn::IfThenElse(take, hn::LoadU(d16, words(f.before) + x), hn::LoadU(d16, words(c.before) + x)), d16, to.before + at);
   hn::Store(hn::IfThenElse(take, hn::LoadU(d16, words(f.after) + x), hn::LoadU(d16, words(c.after) + x)), d16, to.after + at);

@@ -34,7 +34,7 @@ void BlockMatcher::prepare(const ImageSpec& spec) {
   for (Band& band : bands_) {
     band.plain = {spec.width, config_.image_source.ndisp};
     band.floor = {spec.width, floor_disparities};
-    band.candidates.resize(2 * 5 * row_);
+    band.candidates.resize(2 * 6 * row_);
     band.texture.resize(2 * static_cast<size_t>(spec.width + kernels::texture_margin));
   }
 }
@@ -58,13 +58,14 @@ kernels::BlockSearch BlockMatcher::floor_search() const {
   kernels::BlockSearch search = plain_search();
   search.disparities = floor_disparities;
   search.min_disparity = -floor_disparities / 2;
+  search.home = floor_disparities / 2;
   search.right = sheared_.plane;
   return search;
 }
 
 kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search, Band& band, int which) const {
-  uint16_t* row = band.candidates.data() + which * 5 * row_;
-  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_}, search.first_column(), search.last_column(), search.min_disparity};
+  uint16_t* row = band.candidates.data() + which * 6 * row_;
+  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_, row + 5 * row_}, search.first_column(), search.last_column(), search.min_disparity};
 }
 
 void BlockMatcher::make_ready(const Image& left, const Image& right) noexcept {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 namespace vdisp {
-Disparity::Disparity(Machine& machine, const Config& config) : machine_(machine), config_(config), expectation_(config) {
+Disparity::Disparity(Machine& machine, const Config& config) : machine_(machine), config_(config), expectation_(config), provisional_(config) {
   if (config.image_source.matcher == "bm") {
     block_.emplace(machine, config);
   } else {
@@ -31,6 +31,7 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
   const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
   if (block_) block_->prepare(out);
   if (opencv_) opencv_->prepare(out);
+  provisional_.prepare(out);
   speckles_.emplace(out.width, out.height);
   return {out};
 }
@@ -40,15 +41,23 @@ Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* co
   disparity.camera.min_disparity = config_.image_source.minDisparity;
   disparity.camera.disparities = config_.image_source.ndisp;
   if (block_) {
-    const FloorModel* last = in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr;
-    std::optional<ExpectedFloor> floor;
-    if (config_.image_source.align == "floor") floor = expectation_.expect(disparity, last);
-    block_->match(*in[0], *in[1], floor ? &*floor : nullptr, disparity);
+    match_blocks(*in[0], *in[1], in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr, disparity);
   } else {
     opencv_->match(*in[0], *in[1], disparity);
   }
   refuse_speckles(disparity);
   return Outcome::valid;
+}
+
+void Disparity::match_blocks(const Image& left, const Image& right, const FloorModel* last, Image& out) noexcept {
+  const bool align = config_.image_source.align == "floor";
+  std::optional<ExpectedFloor> floor;
+  if (align) floor = expectation_.expect(out, last);
+  block_->match(left, right, floor ? &*floor : nullptr, out);
+  if (!align || floor) return;
+  // Nothing is known of the floor: what this first look shows of it serves a second one.
+  floor = expectation_.expect(out, provisional_.find(out));
+  if (floor) block_->match(left, right, &*floor, out);
 }
 
 void Disparity::refuse_speckles(Image& out) noexcept {

@@ -68,7 +68,7 @@ TEST(TextureRow, is_the_sum_written_out_at_every_level) {
 
 /// Candidates as they may come: costs that differ little, refusals, search ends.
 struct Found {
-  Found(int width, uint32_t seed) : rows(5, std::vector<uint16_t>(static_cast<size_t>(width + row_margin))) {
+  Found(int width, uint32_t seed) : rows(6, std::vector<uint16_t>(static_cast<size_t>(width + row_margin))) {
     std::minstd_rand random(seed);
     for (size_t x = 0; x < rows[0].size(); ++x) {
       const auto draw = [&](uint32_t n) { return static_cast<uint16_t>((random() >> 8) % n); };
@@ -77,10 +77,11 @@ struct Found {
       rows[2][x] = static_cast<uint16_t>(rows[1][x] + draw(90));
       rows[3][x] = static_cast<uint16_t>(rows[1][x] + draw(90) * (draw(8) ? 1u : 0u));
       rows[4][x] = draw(3) ? uint16_t{0} : draw(4);
+      rows[5][x] = static_cast<uint16_t>(rows[1][x] + draw(150));
     }
   }
   Hypothesis hypothesis(int first, int last, int least) {
-    return {{rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data(), rows[4].data()}, first, last, least};
+    return {{rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data(), rows[4].data(), rows[5].data()}, first, last, least};
   }
   std::vector<std::vector<uint16_t>> rows;
 };
@@ -117,7 +118,7 @@ TEST(ResolveRow, is_the_same_at_every_level) {
 TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   Found one(1, 1), two(1, 1);
   const auto set = [](Found& f, uint16_t index, uint16_t cost) {
-    for (size_t i = 0; i < 5; ++i) f.rows[i][0] = std::array<uint16_t, 5>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0}[i];
+    for (size_t i = 0; i < 6; ++i) f.rows[i][0] = std::array<uint16_t, 6>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0, cost}[i];
   };
   Resolve r{.width = 1, .disparities = 32, .unique = percent_factor(10), .floor_margin = percent_factor(50), .outside = -5, .not_unique = -2};
   const uint16_t texture = 0;

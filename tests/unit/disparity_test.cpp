@@ -112,12 +112,16 @@ TEST_P(DisparityTest, narrow_images_are_refused_while_building) {
 
 TEST_P(DisparityTest, images_of_two_sizes_are_refused) {
   Disparity stage(machine, config);
-  EXPECT_THROW(stage.accept(left.spec(), {Pixel::gray8, 0, 100, 80}), FormatError);
-  EXPECT_THROW(stage.accept(left.spec(), {Pixel::disparity16, 0, width, height}), FormatError);
+  EXPECT_THROW(stage.check(std::array{left.spec(), ImageSpec{Pixel::gray8, 0, 100, 80}}), FormatError);
+  EXPECT_THROW(stage.check(std::array{left.spec(), ImageSpec{Pixel::disparity16, 0, width, height}}), FormatError);
+  EXPECT_THROW(stage.check(std::array{left.spec(), left.spec(), left.spec()}), FormatError);
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("opencv", "opencv-sgbm"),
-                         [](const auto& test) { return test.param == std::string("opencv") ? "bm" : "sgbm"; });
+INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("bm", "opencv", "opencv-sgbm"), [](const auto& test) {
+  std::string name = test.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 struct BlockMatchingTest : DisparityTest {};
 
@@ -144,7 +148,7 @@ TEST_P(BlockMatchingTest, a_higher_thresh_rejects_more_for_texture) {
   EXPECT_GT(last, 1000);
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("opencv"));
+INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("bm", "opencv"));
 
 TEST(Rectify, without_calibration_the_image_passes_unchanged) {
   Machine machine;
