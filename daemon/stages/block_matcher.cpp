@@ -110,7 +110,7 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
   const kernels::BlockSearch plain = plain_search(), aligned = floor_search();
   const kernels::Hypothesis match = hypothesis(plain, band, 0), ground = hypothesis(aligned, band, 1);
   kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
-  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 4;
+  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
   resolve.unique = plain.unique;
   resolve.floor_margin = kernels::percent_factor(floor_margin);
   resolve.outside = rejected(Rejected::outside);

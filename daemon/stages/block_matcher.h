@@ -20,8 +20,8 @@ namespace vdisp {
 /// What the parameters of SVS (paper table 3) become:
 ///   ndisp, minDisparity  the disparities searched
 ///   corrsize             side of the square window
-///   thresh               the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 4: the same number
-///                        means the same contrast whatever the window, and 10 just refuses noise of 1 grey level
+///   thresh               the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same number
+///                        means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
 ///   unique               percent by which the best match must be better than any more than 1 px away, as StereoBM counts it: the
 ///                        costs here are truncated, and 4/5 of it does the same
 class BlockMatcher {
