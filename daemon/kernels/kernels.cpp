@@ -28,6 +28,7 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .log_filter = plain::log_filter,
       .mean3x3 = plain::mean3x3,
       .median3x3 = plain::median3x3,
       .speckle_label = plain::speckle_label,

@@ -16,6 +16,7 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  LogFilter* log_filter;
   Smooth3x3 *mean3x3, *median3x3;
   SpeckleLabel* speckle_label;
   SpeckleJoin* speckle_join;
