@@ -33,6 +33,7 @@ Kernels plain_kernels() {
       .shear_row = plain::shear_row,
       .mirror_row = plain::mirror_row,
       .texture_row = plain::texture_row,
+      .log_filter = plain::log_filter,
       .mean3x3 = plain::mean3x3,
       .median3x3 = plain::median3x3,
       .speckle_label = plain::speckle_label,

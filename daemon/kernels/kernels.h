@@ -27,6 +27,7 @@ struct Kernels {
   ShearRow* shear_row;
   MirrorRow* mirror_row;
   TextureRow* texture_row;
+  LogFilter* log_filter;
   Smooth3x3 *mean3x3, *median3x3;
   SpeckleLabel* speckle_label;
   SpeckleJoin* speckle_join;

@@ -25,7 +25,7 @@ void median3x3(View8 in, int first, int last, Plane<uint8_t> out) { plain::media
 
 // Both work in two passes over a strip of a row: what the three pixels of a column give together, then what three columns give. The
 // second pass reads the first one's columns at x - 1, x and x + 1, so that each column is worked out once.
-constexpr int strip = 512;
+constexpr int strip = 640;
 
 /// Three rows of the image and where the result goes.
 struct Rows {

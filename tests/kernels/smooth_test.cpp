@@ -11,7 +11,7 @@ namespace {
 /// Widths around the strips the fast forms work in, and those of check.h.
 std::vector<std::pair<int, int>> sizes() {
   std::vector<std::pair<int, int>> all = awkward_sizes;
-  for (int width : {320, 511, 512, 513, 514, 575, 1023, 1025, 1100}) all.emplace_back(width, 5);
+  for (int width : {320, 639, 640, 641, 642, 703, 705, 1279, 1281, 1400}) all.emplace_back(width, 5);
   return all;
 }
 

@@ -131,9 +131,9 @@ TEST(Speckle, every_level_refuses_what_opencv_refuses) {
 }
 
 TEST(Speckle, the_scratch_of_a_large_image_serves_small_ones_after_it) {
-  SpeckleScratch scratch(300, 100);
+  SpeckleScratch scratch(300, 40);
   for (const std::string& level : levels()) {
-    for (const auto& [width, height] : {std::pair{300, 100}, {64, 100}, {299, 3}, {1, 1}, {100, 50}}) {
+    for (const auto& [width, height] : {std::pair{300, 40}, {64, 40}, {299, 3}, {1, 1}}) {
       expect_as_opencv(kernels(level), width, height, scratch, cuts_of(height));
     }
   }
@@ -146,12 +146,10 @@ TEST(Speckle, nothing_overflows_at_1920x1200) {
   for (const auto& [name, pattern] : patterns(width, height)) {
     const Picture<int16_t> in = picture(width, height, pattern);
     const Picture<int16_t> expected = by_opencv(in, rule);
-    for (const char* level : {"plain", "auto"}) {
-      for (const std::vector<int>& cuts : {std::vector<int>{}, {300, 301, 900}}) {
-        Picture<int16_t> got = in;
-        filter(kernels(level), rule, cuts, scratch, got.plane());
-        ASSERT_EQ(expected, got) << name << " " << level;
-      }
+    for (const auto& [level, cuts] : {std::pair{"plain", std::vector<int>{}}, {"auto", {300, 301, 900}}}) {
+      Picture<int16_t> got = in;
+      filter(kernels(level), rule, cuts, scratch, got.plane());
+      ASSERT_EQ(expected, got) << name << " " << level;
     }
   }
 }
