@@ -106,7 +106,7 @@ RectifyTable::Source RectifyTable::source(int x, int y) const {
   const int b = x / block, i = x % block * 2, part_x = parts_x(y)[x], part_y = parts_y(y)[x] >> 2;
   const int32_t place = places(y)[b];
   if (place == nowhere) return {-2, -2, 0, 0};
-  if (place < 0 && special(place).kind == Kind::scattered) return scattered_[special(place).scattered][static_cast<size_t>(i) / 2];
+  if (place < 0 && special(place).kind == Kind::scattered) return scattered(special(place))[static_cast<size_t>(i) / 2];
   const Pattern& pattern = pattern_[patterns(y)[b]];
   int row = 0;
   while (pattern.in_row[row][i] & elsewhere) ++row;
@@ -125,12 +125,18 @@ size_t RectifyTable::count(Kind kind) const {
 namespace plain {
 
 uint8_t rectified(View8 in, const RectifyTable::Source& from) {
-  const auto pixel = [&](int column, int row) -> int {
-    return column >= 0 && column < in.width && row >= 0 && row < in.height ? in.row(row)[column] : 0;
+  const auto inside = [&](int column, int row) { return column >= 0 && column < in.width && row >= 0 && row < in.height; };
+  const auto pixel = [&](int column, int row) -> int { return inside(column, row) ? in.row(row)[column] : 0; };
+  const auto formula = [&](int a, int b, int c, int d) {
+    const int top = (32 - from.part_x) * a + from.part_x * b, bottom = (32 - from.part_x) * c + from.part_x * d;
+    return static_cast<uint8_t>((top + (((bottom - top) * from.part_y + 16) >> 5) + 16) >> 5);
   };
-  const auto blended = [&](int row) { return (32 - from.part_x) * pixel(from.column, row) + from.part_x * pixel(from.column + 1, row); };
-  const int top = blended(from.row), bottom = blended(from.row + 1);
-  return static_cast<uint8_t>((top + (((bottom - top) * from.part_y + 16) >> 5) + 16) >> 5);
+  const int x = from.column, y = from.row;
+  if (inside(x, y) && inside(x + 1, y + 1)) {
+    const uint8_t *above = in.row(y) + x, *below = in.row(y + 1) + x;
+    return formula(above[0], above[1], below[0], below[1]);
+  }
+  return formula(pixel(x, y), pixel(x + 1, y), pixel(x, y + 1), pixel(x + 1, y + 1));
 }
 
 void rectify(const RectifyTable& table, View8 in, int first, int last, Plane<uint8_t> out) {

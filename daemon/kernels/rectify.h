@@ -36,6 +36,7 @@ class RectifyTable {
   struct Source {
     int column, row, part_x, part_y;
   };
+  using Sources = std::array<Source, block>;
 
   RectifyTable() = default;
   /// `whole`: column and row, two numbers a pixel, so twice as wide as `part`; `part`: 32 * vertical + horizontal (the maps that
@@ -56,6 +57,7 @@ class RectifyTable {
   const uint16_t* patterns(int y) const { return patterns_.data() + y * blocks_; }
   const Pattern* pattern() const { return pattern_.data(); }
   const Special& special(int32_t place) const { return special_[static_cast<size_t>(~place)]; }
+  const Sources& scattered(const Special& special) const { return scattered_[special.scattered]; }
   /// One byte a pixel of row y, in whole vectors: part_x, and 4 * part_y.
   const uint8_t* parts_x(int y) const { return parts_[static_cast<size_t>(2 * y * lines_)].bytes; }
   const uint8_t* parts_y(int y) const { return parts_[static_cast<size_t>((2 * y + 1) * lines_)].bytes; }
@@ -65,7 +67,6 @@ class RectifyTable {
   struct alignas(line) Line {
     uint8_t bytes[line];
   };
-  using Sources = std::array<Source, block>;
   using Numbers = std::unordered_map<uint64_t, uint16_t>;  // patterns by their content
   void add_block(const Sources& sources, View8 raw, int rows, size_t b, Numbers& numbers);
   bool add_window(const Sources& sources, View8 raw, int rows, size_t b, Numbers& numbers);

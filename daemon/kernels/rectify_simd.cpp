@@ -181,12 +181,12 @@ HWY_INLINE Vec16 window_block(const RectifyTable& table, const Row& r, int b) {
 
 /// One block of any kind: eight pixels at `to`.
 template <int rows>
-HWY_NOINLINE void any_block(const RectifyTable& table, const Row& r, int b, int y, uint8_t* to) {
+HWY_NOINLINE void any_block(const RectifyTable& table, const Row& r, int b, uint8_t* to) {
   const int32_t place = r.places[b];
   if (place == RectifyTable::nowhere) {
     std::memset(to, 0, block);
   } else if (place < 0 && table.special(place).kind == RectifyTable::Kind::scattered) {
-    for (int i = 0; i < block; ++i) to[i] = plain::rectified(r.in, table.source(b * block + i, y));
+    for (const RectifyTable::Source& source : table.scattered(table.special(place))) *to++ = plain::rectified(r.in, source);
   } else {
     store_block(window_block<rows>(table, r, b), to);
   }
@@ -204,13 +204,13 @@ HWY_INLINE void rectify_row(const RectifyTable& table, View8 in, int y, Plane<ui
     std::memset(to + from * block, 0, static_cast<size_t>((b - from) * block));
     // Up to where whole vectors begin.
     for (bool more = b < whole; more; more = b < whole && b % (2 * windows)) {
-      any_block<rows>(table, r, b, y, to + b * block);
+      any_block<rows>(table, r, b, to + b * block);
       ++b;
     }
   }
   if (rest == 0) return;
   uint8_t last[block];
-  any_block<rows>(table, r, whole, y, last);
+  any_block<rows>(table, r, whole, last);
   std::memcpy(to + whole * block, last, static_cast<size_t>(rest));
 }
 

@@ -162,6 +162,32 @@ TEST(Rectify, without_calibration_the_image_passes_unchanged) {
   EXPECT_EQ(out[0]->image().camera.f, 0);
 }
 
+TEST(Rectify, a_mosaic_is_grey_before_it_is_rectified) {
+  const std::array colours{200.0, 120.0, 40.0};  // red, green, blue
+  Calibration same;
+  RawCamera camera;
+  camera.k = camera.rectification = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  camera.projection = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  same.raw = {camera, camera};
+  const std::vector<std::pair<std::string, std::array<size_t, 4>>> patterns{
+      {"rggb", {0, 1, 1, 2}}, {"bggr", {2, 1, 1, 0}}, {"grbg", {1, 0, 2, 1}}, {"gbrg", {1, 2, 0, 1}}};
+  for (const auto& [word, colour] : patterns) {
+    for (const auto& calibration : {std::optional<Calibration>(), std::optional<Calibration>(same)}) {
+      Config config;
+      config.image_source.bayer = word;
+      Picture in(Pixel::gray8, 70, 20);
+      in.fill<uint8_t>([&](int v, int u) { return static_cast<uint8_t>(colours[colour[static_cast<size_t>(v % 2 * 2 + u % 2)]]); });
+      std::vector<std::unique_ptr<Picture>> out;
+      Machine machine;
+      Rectify stage(Side::left, calibration, machine, config);
+      ASSERT_EQ(run_stage(stage, {&in}, out), Outcome::valid);
+      for (int v = 0; v < 20; ++v)
+        for (int u = 0; u < 70; ++u)
+          ASSERT_NEAR(out[0]->at<uint8_t>(v, u), 0.299 * 200 + 0.587 * 120 + 0.114 * 40, 1) << word << v << ' ' << u;
+    }
+  }
+}
+
 TEST(Rectify, another_size_than_the_calibrations_or_the_configured_is_refused) {
   Machine machine;
   Config config;
