@@ -32,12 +32,13 @@ class Run {
       : options_(options),
         config_(options.config),
         edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
+        machine_(config_.main.threads),
         driver_(wall_clock_ns()) {
     cv::setNumThreads(config_.main.threads);
     auto source = open_source(config_);
     source_ = source.get();
     period_ns_ = std::max<int64_t>(source->period_ns(), config_.main.period * 1'000'000LL);
-    build_tree(driver_, std::move(source), config_);
+    build_tree(driver_, std::move(source), machine_, config_);
     write_dot();
     if (!options.dump.empty()) dump_.emplace(options.dump);
     publish();
@@ -116,6 +117,7 @@ class Run {
   const Options& options_;
   const Config& config_;
   log::Edges edges_;
+  Machine machine_;
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
   int64_t period_ns_ = 0;

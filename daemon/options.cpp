@@ -30,8 +30,9 @@ std::string not_empty(const std::string& text) { return text.empty() ? "is empty
 /// What the pools of the shared memory will hold, as comments, where the source can be opened here.
 void print_memory(std::ostream& out, const Config& config) {
   try {
+    Machine machine;
     Driver driver(0);
-    build_tree(driver, open_source(config), config);
+    build_tree(driver, open_source(config), machine, config);
     TopicList topics;
     for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
     std::ostringstream pools;

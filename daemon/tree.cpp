@@ -14,15 +14,15 @@
 
 namespace vdisp {
 
-void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, const Config& config) {
+void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& machine, const Config& config) {
   using std::make_unique;
   StereoSource& stereo = *source;
   const auto calibration = stereo.calibration();
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
-  const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, config), {camera[0]});
-  const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, config), {camera[1]});
-  const auto disparity = driver.add("disparity", make_unique<Disparity>(config), {left, right}, Need::always);
+  const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
+  const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
+  const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), {left, right}, Need::always);
 
   if (config.main.detectors == "vdisparity") {
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});

@@ -16,7 +16,7 @@ cv::Mat mat(const Image& image, int type) {
 
 }  // namespace
 
-Disparity::Disparity(const Config& config) : config_(config), floor_check_(config) {
+Disparity::Disparity(Machine& machine, const Config& config) : machine_(machine), config_(config), floor_check_(config) {
   if (config.image_source.matcher == "opencv") {
     block_ = cv::StereoBM::create();
     block_->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);

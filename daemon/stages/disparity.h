@@ -7,6 +7,7 @@
 #include "config/config.h"
 #include "daemon/core/processor.h"
 #include "daemon/stages/floor_check.h"
+#include "daemon/stages/machine.h"
 
 namespace vdisp {
 
@@ -23,7 +24,7 @@ namespace vdisp {
 ///   SpeckleSize, SpeckleDiff cv::filterSpeckles with maxDiff = SpeckleDiff / 4 px
 class Disparity final : public BinaryOperator {
  public:
-  explicit Disparity(const Config& config);
+  Disparity(Machine& machine, const Config& config);
   ImageSpec accept(const ImageSpec& left, const ImageSpec& right) override;
   bool combine(const Image& left, const Image& right, Image& out) noexcept override;
 
@@ -37,6 +38,7 @@ class Disparity final : public BinaryOperator {
   void check_left_right(cv::Mat& disparity) const;
   void refuse_speckles(cv::Mat& disparity);
 
+  Machine& machine_;
   const Config& config_;
   cv::Ptr<cv::StereoBM> block_;  // one of the two is set
   cv::Ptr<cv::StereoSGBM> global_;

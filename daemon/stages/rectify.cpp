@@ -17,8 +17,8 @@ cv::Mat view_of(const Image& image) {
 
 }  // namespace
 
-Rectify::Rectify(Side side, std::optional<Calibration> calibration, const Config& config)
-    : side_(side), calibration_(std::move(calibration)), config_(config) {}
+Rectify::Rectify(Side side, std::optional<Calibration> calibration, Machine& machine, const Config& config)
+    : side_(side), calibration_(std::move(calibration)), machine_(machine), config_(config) {}
 
 ImageSpec Rectify::accept(const ImageSpec& in) {
   require(in, Pixel::gray8, "the camera image");

@@ -8,6 +8,7 @@
 #include "config/config.h"
 #include "daemon/core/processor.h"
 #include "daemon/geometry/calibration.h"
+#include "daemon/stages/machine.h"
 
 namespace vdisp {
 
@@ -17,13 +18,14 @@ enum class Side { left = 0, right = 1 };
 class Rectify final : public ImageFilter {
  public:
   /// Throws FormatError (in accept) where calibration, configuration and images are of different sizes.
-  Rectify(Side side, std::optional<Calibration> calibration, const Config& config);
+  Rectify(Side side, std::optional<Calibration> calibration, Machine& machine, const Config& config);
   ImageSpec accept(const ImageSpec& in) override;
   bool filter(const Image& in, Image& out) noexcept override;
 
  private:
   Side side_;
   std::optional<Calibration> calibration_;
+  Machine& machine_;
   const Config& config_;
   CameraGeometry geometry_{};
   cv::Mat whole_, fraction_;  // where each pixel comes from, 16SC2 and its 5-bit fractions

@@ -15,6 +15,7 @@ namespace {
 constexpr int width = 200, height = 80;
 
 struct DisparityTest : testing::TestWithParam<const char*> {
+  Machine machine;
   Config config;
   Picture left{Pixel::gray8, width, height}, right{Pixel::gray8, width, height};
   std::vector<std::unique_ptr<Picture>> out;
@@ -29,7 +30,7 @@ struct DisparityTest : testing::TestWithParam<const char*> {
     right.fill<uint8_t>([&](int v, int u) { return texture[static_cast<size_t>(v * 512 + u + 100 + shift)]; });
   }
   Outcome match() {
-    Disparity stage(config);
+    Disparity stage(machine, config);
     return run_stage(stage, {&left, &right}, out);
   }
   int16_t at(int v, int u) { return out.at(0)->at<int16_t>(v, u); }
@@ -110,7 +111,7 @@ TEST_P(DisparityTest, narrow_images_are_refused_while_building) {
 }
 
 TEST_P(DisparityTest, images_of_two_sizes_are_refused) {
-  Disparity stage(config);
+  Disparity stage(machine, config);
   EXPECT_THROW(stage.accept(left.spec(), {Pixel::gray8, 0, 100, 80}), FormatError);
   EXPECT_THROW(stage.accept(left.spec(), {Pixel::disparity16, 0, width, height}), FormatError);
 }
@@ -146,35 +147,38 @@ TEST_P(BlockMatchingTest, a_higher_thresh_rejects_more_for_texture) {
 INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("opencv"));
 
 TEST(Rectify, without_calibration_the_image_passes_unchanged) {
+  Machine machine;
   Config config;
   Picture in(Pixel::gray8, 33, 5);
   in.fill<uint8_t>([](int v, int u) { return static_cast<uint8_t>(7 * v + u); });
   std::vector<std::unique_ptr<Picture>> out;
-  Rectify stage(Side::left, std::nullopt, config);
+  Rectify stage(Side::left, std::nullopt, machine, config);
   ASSERT_EQ(run_stage(stage, {&in}, out), Outcome::valid);
   EXPECT_EQ(out[0]->at<uint8_t>(4, 32), 60);
   EXPECT_EQ(out[0]->image().camera.f, 0);
 }
 
 TEST(Rectify, another_size_than_the_calibrations_or_the_configured_is_refused) {
+  Machine machine;
   Config config;
   Calibration calibration;
   calibration.width = 320;
   calibration.height = 240;
   calibration.format = "OpenCV";
   try {
-    Rectify(Side::left, calibration, config).accept({Pixel::gray8, 0, 640, 480});
+    Rectify(Side::left, calibration, machine, config).accept({Pixel::gray8, 0, 640, 480});
     FAIL();
   } catch (const FormatError& error) {
     EXPECT_STREQ(error.what(), "the images are 640x480, the calibration (OpenCV) is for 320x240");
   }
   config.image_source.width = 640;
   config.image_source.height = 480;
-  EXPECT_THROW(Rectify(Side::left, std::nullopt, config).accept({Pixel::gray8, 0, 320, 240}), FormatError);
+  EXPECT_THROW(Rectify(Side::left, std::nullopt, machine, config).accept({Pixel::gray8, 0, 320, 240}), FormatError);
 }
 
 TEST(Rectify, a_camera_turned_by_rectification_sees_the_world_moved) {
   // A rotation about Y by alpha moves what is at the centre by f tan(alpha).
+  Machine machine;
   Config config;
   Calibration calibration;
   const double f = 200, alpha = 0.05;
@@ -187,7 +191,7 @@ TEST(Rectify, a_camera_turned_by_rectification_sees_the_world_moved) {
   Picture in(Pixel::gray8, 200, 100);
   in.fill<uint8_t>([](int, int u) { return static_cast<uint8_t>(u); });
   std::vector<std::unique_ptr<Picture>> out;
-  Rectify stage(Side::right, calibration, config);
+  Rectify stage(Side::right, calibration, machine, config);
   ASSERT_EQ(run_stage(stage, {&in}, out), Outcome::valid);
   EXPECT_NEAR(out[0]->at<uint8_t>(50, 110), 100, 1);  // rectified (x, z) = R (0, 1): x / z = tan(alpha), 10 px to the right
   EXPECT_FLOAT_EQ(out[0]->image().camera.f, 200);
