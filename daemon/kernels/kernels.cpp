@@ -28,6 +28,11 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .match_row = plain::match_row,
+      .resolve_row = plain::resolve_row,
+      .shear_row = plain::shear_row,
+      .mirror_row = plain::mirror_row,
+      .texture_row = plain::texture_row,
   };
 }
 
@@ -51,6 +56,10 @@ Kernels kernels(std::string_view level) {
     if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
+    choose_block_match(table);
+    choose_resolve(table);
+    choose_shear(table);
+    choose_texture(table);
     return table;
   }
   std::string names;

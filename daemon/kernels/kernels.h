@@ -6,7 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/kernels/block_match.h"
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/resolve.h"
+#include "daemon/kernels/shear.h"
+#include "daemon/kernels/texture.h"
 
 namespace vdisp::kernels {
 
@@ -14,6 +18,11 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  MatchRow* match_row;
+  ResolveRow* resolve_row;
+  ShearRow* shear_row;
+  MirrorRow* mirror_row;
+  TextureRow* texture_row;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

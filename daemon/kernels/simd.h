@@ -16,5 +16,9 @@ namespace vdisp::kernels {
 struct Kernels;
 /// Each writes its kernels into the table, in the form of the chosen target.
 void choose_prefilter(Kernels& table);
+void choose_block_match(Kernels& table);
+void choose_resolve(Kernels& table);
+void choose_shear(Kernels& table);
+void choose_texture(Kernels& table);
 
 }  // namespace vdisp::kernels

@@ -1,0 +1,46 @@
+// resolve.h: contracts: from the candidates of one or two hypotheses to a row of disparities, or why a pixel has none.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "daemon/kernels/block_match.h"
+#include "daemon/kernels/shear.h"
+
+namespace vdisp::kernels {
+
+/// What one hypothesis found in a row.
+struct Hypothesis {
+  Candidates candidates;
+  int first = 0, last = 0;  ///< columns that have a candidate
+  int min_disparity = 0;    ///< px, of index 0
+};
+
+/// What the pixels of one row are asked, and how a refusal is written.
+struct Resolve {
+  int width = 0;
+  int min_disparity = 0, disparities = 0;  ///< px: what leaves this range is outside
+  int unique = 10;                         ///< percent by which a match must beat the other hypothesis' where they differ; 0: not asked
+  int floor_margin = 50;                   ///< the same for a match against the floor: how much worse the floor may fit and still refuse it
+  int texture_least = 0;
+  int16_t outside = 0, low_texture = 0, not_unique = 0, left_right = 0;
+};
+/// Disparities of two hypotheses are the same up to here, 1/16 px.
+inline constexpr int same_disparity = 32;
+
+/// Writes out[0 .. width): the disparity in 1/16 px, or the reason. Pixels outside [plain.first, plain.last) are outside.
+///
+/// `floor` is null, or the search in the view sheared by `floor_disparity`: its disparities are those plus floor_disparity.at(x). Of two
+/// hypotheses that say the same (same_disparity) the one that is not refused is taken, else the cheaper; of two that differ the cheaper,
+/// unless the other one explains the pixel nearly as well: then it is not unique.
+///
+/// Sub-pixel: the least of two lines of equal slope through the best cost and its neighbours, as fits sums of absolute differences,
+/// rounded to 1/16 px.
+using ResolveRow = void(const Resolve& resolve, const Hypothesis& plain, const Hypothesis* floor, const RowDisparity& floor_disparity,
+                        const uint16_t* texture, int16_t* out);
+
+namespace plain {
+ResolveRow resolve_row;
+}
+
+}  // namespace vdisp::kernels
