@@ -9,6 +9,7 @@
 #include <iostream>
 #include <opencv2/core.hpp>
 
+#include "daemon/kernels/kernels.h"
 #include "tests/bench/instructions.h"
 #include "tests/bench/results.h"
 #include "tests/bench/same_work.h"
@@ -116,6 +117,7 @@ void measure(std::vector<Entry>& entries, const Options& options) {
 }
 
 int run(const Options& options) {
+  kernels::kernels(options.side.cpu);  // refuses an unknown level
   const Images images = options.list ? Images{} : make_images(options);
   const std::vector<Contest> all = contests(images, options.side);
   if (options.list) {

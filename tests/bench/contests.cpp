@@ -25,7 +25,7 @@ Work work_of(std::shared_ptr<PreparedTree> tree, const std::string& result) {
   return {[tree] { tree->next(); }, [tree] { tree->step(); }, [tree, result] { return &tree->image(result); }};
 }
 
-/// The paper's parameters on the paper's rover; window 11, texture 10, uniqueness 10, speckle 100 px / 1 px are the defaults.
+/// The paper's parameters on the paper's rover; window 11, uniqueness 10, speckle 100 px / 1 px are the defaults.
 Setup ours(int threads, const OurSide& side, const Sets& more) {
   Sets all{"main.middleware=none", "main.threads=" + std::to_string(threads), "mounting.height=0.8"};
   all.insert(all.end(), more.begin(), more.end());
@@ -37,6 +37,9 @@ Setup ours(int threads, const OurSide& side, const Sets& more) {
   }
   return {config_of(all), side.cpu};
 }
+
+/// The rest of the peer's settings are defaults. StereoBM's texture threshold of 10 is a sum over the window: thresh = 1 is 60.
+Sets as_peer(int ndisp) { return {"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp), "image source.thresh=1"}; }
 
 void add_back_end(Driver& driver, Handle disparity, const Config& config) {
   const auto votes = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
@@ -93,7 +96,7 @@ Contest rectify(const Frames& frames, const OurSide& side) {
 
 /// More is what our matcher is told besides the number of disparities.
 Contest matcher(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, const Sets& more, Asked asked) {
-  Sets own{"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp)};
+  Sets own = as_peer(ndisp);
   own.insert(own.end(), more.begin(), more.end());
   Contest contest{name, asked, {}, {}, {}};
   contest.ours = [&frames, side, own](int threads) { return our_matcher(frames, ours(threads, side, own)); };
@@ -105,7 +108,8 @@ Contest matcher(const std::string& name, const Frames& frames, int ndisp, const 
 Contest semi_global(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, Asked asked) {
   Contest contest = matcher(name, frames, ndisp, side, {"image source.matcher=sgm"}, asked);
   contest.ours = [&frames, side, ndisp](int threads) {
-    return our_matcher(frames, ours(threads, side, {"image source.matcher=sgm", "image source.ndisp=" + std::to_string(ndisp)}));
+    return our_matcher(
+        frames, ours(threads, side, {"image source.matcher=sgm", "image source.thresh=0", "image source.ndisp=" + std::to_string(ndisp)}));
   };
   contest.peer = [&frames, ndisp](int) { return cv_matcher<CvSemiGlobal>(frames, ndisp); };
   return contest;
@@ -122,7 +126,7 @@ Contest census(const Frames& frames, const OurSide& side) {
 
 /// Two raw images to the map. The peer is followed by our back end.
 Contest tree(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, const Sets& more, Asked asked) {
-  Sets own{"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp)};
+  Sets own = as_peer(ndisp);
   own.insert(own.end(), more.begin(), more.end());
   Contest contest{name, asked, asked, {}, {}};
   contest.ours = [&frames, side, own](int threads) {
