@@ -9,6 +9,7 @@
 #include <iostream>
 #include <opencv2/core.hpp>
 
+#include "daemon/kernels/kernels.h"
 #include "tests/bench/instructions.h"
 #include "tests/bench/results.h"
 #include "tests/bench/same_work.h"
@@ -18,7 +19,8 @@ namespace {
 
 struct Options {
   std::string json;
-  std::vector<std::string> only, sets, pairs;
+  std::vector<std::string> only, pairs;
+  OurSide side;
   std::vector<int> threads{1, 2};
   bool quick = false, instructions = false, list = false;
 };
@@ -115,8 +117,9 @@ void measure(std::vector<Entry>& entries, const Options& options) {
 }
 
 int run(const Options& options) {
+  kernels::kernels(options.side.cpu);  // refuses an unknown level
   const Images images = options.list ? Images{} : make_images(options);
-  const std::vector<Contest> all = contests(images, options.sets);
+  const std::vector<Contest> all = contests(images, options.side);
   if (options.list) {
     for (const Contest& contest : all) std::cout << contest.name << '\n';
     return 0;
@@ -154,7 +157,10 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "write a list of {name, threads, ours_ms, peer_ms, ratio}; 0 where there is no peer");
   app.add_option("--only", options.only, "only these names")->delimiter(',');
   app.add_option("--threads", options.threads, "numbers of threads; default 1,2")->delimiter(',')->check(CLI::Range(1, 16));
-  app.add_option("--set", options.sets, "SECTION.KEY=VALUE for our side of every name, before the name's own")->expected(1)->take_all();
+  app.add_option("--set", options.side.sets, "SECTION.KEY=VALUE for our side of every name, before the name's own")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--cpu", options.side.cpu, "instruction set of our side: auto, plain, ...");
   app.add_option("--pair", options.pairs, "NAME,LEFT,RIGHT[,CALIBRATION]: a rectified recording, timed too")->expected(1)->take_all();
   app.add_flag("--quick", options.quick, "one run of each: does it work?");
   app.add_flag("--list", options.list, "only print the names");

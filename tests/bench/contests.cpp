@@ -25,18 +25,21 @@ Work work_of(std::shared_ptr<PreparedTree> tree, const std::string& result) {
   return {[tree] { tree->next(); }, [tree] { tree->step(); }, [tree, result] { return &tree->image(result); }};
 }
 
-/// The paper's parameters on the paper's rover; window 11, texture 10, uniqueness 10, speckle 100 px / 1 px are the defaults.
-Config ours(int threads, const Sets& sets, const Sets& more) {
+/// The paper's parameters on the paper's rover; window 11, uniqueness 10, speckle 100 px / 1 px are the defaults.
+Setup ours(int threads, const OurSide& side, const Sets& more) {
   Sets all{"main.middleware=none", "main.threads=" + std::to_string(threads), "mounting.height=0.8"};
   all.insert(all.end(), more.begin(), more.end());
-  for (const std::string& set : sets) {
+  for (const std::string& set : side.sets) {
     // What the caller sets goes before the contest's own.
     const std::string key = set.substr(0, set.find('=') + 1);
     std::erase_if(all, [&](const std::string& own) { return own.starts_with(key); });
     all.push_back(set);
   }
-  return config_of(all);
+  return {config_of(all), side.cpu};
 }
+
+/// The rest of the peer's settings are defaults. StereoBM's texture threshold of 10 is a sum over the window: thresh = 1 is 60.
+Sets as_peer(int ndisp) { return {"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp), "image source.thresh=1"}; }
 
 void add_back_end(Driver& driver, Handle disparity, const Config& config) {
   const auto votes = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
@@ -45,46 +48,46 @@ void add_back_end(Driver& driver, Handle disparity, const Config& config) {
   driver.add("map", make_unique<Map>(config), {disparity, limit, floor[1]}, Need::always);
 }
 
-Work our_matcher(const Frames& frames, Config config) {
-  return work_of(std::make_shared<PreparedTree>(std::move(config), frames.rectified, view_names, frames.calibration,
-                                                [](Driver& driver, Source source, const Config& c) {
+Work our_matcher(const Frames& frames, Setup setup) {
+  return work_of(std::make_shared<PreparedTree>(std::move(setup), frames.rectified, view_names, frames.calibration,
+                                                [](Driver& driver, Source source, Machine& machine, const Config& c) {
                                                   const auto in = driver.add_set(view_names, std::move(source), {}, Need::always);
-                                                  driver.add("disparity", make_unique<Disparity>(c), {in[0], in[1]}, Need::always);
+                                                  driver.add("disparity", make_unique<Disparity>(machine, c), {in[0], in[1]}, Need::always);
                                                 }),
                  "disparity");
 }
 
 template <class Matcher, class... Arguments>
 Work cv_matcher(const Frames& frames, Arguments... arguments) {
-  return work_of(std::make_shared<PreparedTree>(Config{}, frames.rectified, view_names, frames.calibration,
-                                                [=](Driver& driver, Source source, const Config&) {
+  return work_of(std::make_shared<PreparedTree>(Setup{}, frames.rectified, view_names, frames.calibration,
+                                                [=](Driver& driver, Source source, Machine&, const Config&) {
                                                   const auto in = driver.add_set(view_names, std::move(source), {}, Need::always);
                                                   driver.add("disparity", make_unique<Matcher>(arguments...), {in[0], in[1]}, Need::always);
                                                 }),
                  "disparity");
 }
 
-Contest rectify(const Frames& frames, const Sets& sets) {
+Contest rectify(const Frames& frames, const OurSide& side) {
   Contest contest{"rectify", {6, 8}, {}, {}, {}};
-  contest.ours = [&frames, sets](int threads) {
-    return work_of(std::make_shared<PreparedTree>(ours(threads, sets, {}), frames.raw, raw_names, frames.calibration,
-                                                  [&frames](Driver& driver, Source source, const Config& c) {
+  contest.ours = [&frames, side](int threads) {
+    return work_of(std::make_shared<PreparedTree>(ours(threads, side, {}), frames.raw, raw_names, frames.calibration,
+                                                  [&frames](Driver& driver, Source source, Machine& machine, const Config& c) {
                                                     const auto in = driver.add_set(raw_names, std::move(source));
-                                                    for (Side side : {Side::left, Side::right})
-                                                      driver.add(view_names[static_cast<size_t>(side)],
-                                                                 make_unique<Rectify>(side, frames.calibration, c),
-                                                                 {in[static_cast<size_t>(side)]}, Need::always);
+                                                    for (Side eye : {Side::left, Side::right})
+                                                      driver.add(view_names[static_cast<size_t>(eye)],
+                                                                 make_unique<Rectify>(eye, frames.calibration, machine, c),
+                                                                 {in[static_cast<size_t>(eye)]}, Need::always);
                                                   }),
                    "left");
   };
   contest.peer = [&frames](int) {
-    return work_of(std::make_shared<PreparedTree>(Config{}, frames.raw, raw_names, frames.calibration,
-                                                  [&frames](Driver& driver, Source source, const Config&) {
+    return work_of(std::make_shared<PreparedTree>(Setup{}, frames.raw, raw_names, frames.calibration,
+                                                  [&frames](Driver& driver, Source source, Machine&, const Config&) {
                                                     const auto in = driver.add_set(raw_names, std::move(source));
-                                                    for (Side side : {Side::left, Side::right})
-                                                      driver.add(view_names[static_cast<size_t>(side)],
-                                                                 make_unique<CvRectify>(side, frames.calibration.value()),
-                                                                 {in[static_cast<size_t>(side)]}, Need::always);
+                                                    for (Side eye : {Side::left, Side::right})
+                                                      driver.add(view_names[static_cast<size_t>(eye)],
+                                                                 make_unique<CvRectify>(eye, frames.calibration.value()),
+                                                                 {in[static_cast<size_t>(eye)]}, Need::always);
                                                   }),
                    "left");
   };
@@ -92,49 +95,51 @@ Contest rectify(const Frames& frames, const Sets& sets) {
 }
 
 /// More is what our matcher is told besides the number of disparities.
-Contest matcher(const std::string& name, const Frames& frames, int ndisp, const Sets& sets, const Sets& more, Asked asked) {
-  Sets own{"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp)};
+Contest matcher(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, const Sets& more, Asked asked) {
+  Sets own = as_peer(ndisp);
   own.insert(own.end(), more.begin(), more.end());
   Contest contest{name, asked, {}, {}, {}};
-  contest.ours = [&frames, sets, own](int threads) { return our_matcher(frames, ours(threads, sets, own)); };
+  contest.ours = [&frames, side, own](int threads) { return our_matcher(frames, ours(threads, side, own)); };
   contest.peer = [&frames, ndisp](int) { return cv_matcher<CvBlockMatcher>(frames, ndisp, Filters::all); };
   if (!frames.raw.empty()) contest.pixel_disparities = static_cast<double>(frames.spec().width) * frames.spec().height * ndisp;
   return contest;
 }
 
-Contest semi_global(const std::string& name, const Frames& frames, int ndisp, const Sets& sets, Asked asked) {
-  Contest contest = matcher(name, frames, ndisp, sets, {"image source.matcher=sgm"}, asked);
-  contest.ours = [&frames, sets, ndisp](int threads) {
-    return our_matcher(frames, ours(threads, sets, {"image source.matcher=sgm", "image source.ndisp=" + std::to_string(ndisp)}));
+Contest semi_global(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, Asked asked) {
+  Contest contest = matcher(name, frames, ndisp, side, {"image source.matcher=sgm"}, asked);
+  contest.ours = [&frames, side, ndisp](int threads) {
+    return our_matcher(
+        frames, ours(threads, side, {"image source.matcher=sgm", "image source.thresh=0", "image source.ndisp=" + std::to_string(ndisp)}));
   };
   contest.peer = [&frames, ndisp](int) { return cv_matcher<CvSemiGlobal>(frames, ndisp); };
   return contest;
 }
 
 /// Smoothing, census and matching of the paper's second detector. Nobody else has this to compare with.
-Contest census(const Frames& frames, const Sets& sets) {
+Contest census(const Frames& frames, const OurSide& side) {
   Contest contest{"census", {0, 0, 0.8, 0.5}, {}, {}, {}};
-  contest.ours = [&frames, sets](int threads) {
-    return our_matcher(frames, ours(threads, sets, {"image source.matcher=census", "image source.ndisp=32"}));
+  contest.ours = [&frames, side](int threads) {
+    return our_matcher(frames, ours(threads, side, {"image source.matcher=census", "image source.ndisp=32"}));
   };
   return contest;
 }
 
 /// Two raw images to the map. The peer is followed by our back end.
-Contest tree(const std::string& name, const Frames& frames, int ndisp, const Sets& sets, const Sets& more, Asked asked) {
-  Sets own{"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp)};
+Contest tree(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, const Sets& more, Asked asked) {
+  Sets own = as_peer(ndisp);
   own.insert(own.end(), more.begin(), more.end());
   Contest contest{name, asked, asked, {}, {}};
-  contest.ours = [&frames, sets, own](int threads) {
-    return work_of(
-        std::make_shared<PreparedTree>(ours(threads, sets, own), frames.raw, raw_names, frames.calibration,
-                                       [](Driver& driver, Source source, const Config& c) { build_tree(driver, std::move(source), c); }),
-        "map");
+  contest.ours = [&frames, side, own](int threads) {
+    return work_of(std::make_shared<PreparedTree>(ours(threads, side, own), frames.raw, raw_names, frames.calibration,
+                                                  [](Driver& driver, Source source, Machine& machine, const Config& c) {
+                                                    build_tree(driver, std::move(source), machine, c);
+                                                  }),
+                   "map");
   };
   contest.peer = [&frames, ndisp](int threads) {
     return work_of(std::make_shared<PreparedTree>(
                        ours(threads, {}, {"image source.ndisp=" + std::to_string(ndisp)}), frames.raw, raw_names, frames.calibration,
-                       [&frames, ndisp](Driver& driver, Source source, const Config& c) {
+                       [&frames, ndisp](Driver& driver, Source source, Machine&, const Config& c) {
                          const auto in = driver.add_set(raw_names, std::move(source));
                          const auto left = driver.add("left", make_unique<CvRectify>(Side::left, frames.calibration.value()), {in[0]});
                          const auto right = driver.add("right", make_unique<CvRectify>(Side::right, frames.calibration.value()), {in[1]});
@@ -158,14 +163,15 @@ std::vector<Set> disparities(const Frames& frames, int ndisp, Filters filters) {
 }
 
 /// Floor, limit, map and v-disparity of the same disparities. OpenCV has no such thing.
-Contest back_end(const Frames& frames, const Sets& sets) {
+Contest back_end(const Frames& frames, const OurSide& side) {
   Contest contest{"backend", {0, 0, 0.4, 0.25}, {}, {}, {}};
-  contest.ours = [&frames, sets](int threads) {
-    return work_of(
-        std::make_shared<PreparedTree>(
-            ours(threads, sets, {}), disparities(frames, 48, Filters::all), Sets{"disparity"}, frames.calibration,
-            [](Driver& driver, Source source, const Config& c) { add_back_end(driver, driver.add("disparity", std::move(source)), c); }),
-        "map");
+  contest.ours = [&frames, side](int threads) {
+    return work_of(std::make_shared<PreparedTree>(ours(threads, side, {}), disparities(frames, 48, Filters::all), Sets{"disparity"},
+                                                  frames.calibration,
+                                                  [](Driver& driver, Source source, Machine&, const Config& c) {
+                                                    add_back_end(driver, driver.add("disparity", std::move(source)), c);
+                                                  }),
+                   "map");
   };
   return contest;
 }
@@ -199,26 +205,26 @@ Contest speckle(const Frames& frames) {
 
 }  // namespace
 
-std::vector<Contest> contests(const Images& images, const Sets& sets) {
+std::vector<Contest> contests(const Images& images, const OurSide& side) {
   const Sets aligned{"image source.align=floor"};
   const Sets upright = find_parameter("image source", "align") ? Sets{"image source.align=none"} : Sets{};
   std::vector<Contest> all{
-      rectify(images.vga, sets),
-      matcher("matcher48", images.vga, 48, sets, upright, {4, 5}),
-      matcher("matcher64", images.vga, 64, sets, upright, {4.5, 6}),
-      matcher("matcher48_aligned", images.vga, 48, sets, aligned, {2.2, 3}),
+      rectify(images.vga, side),
+      matcher("matcher48", images.vga, 48, side, upright, {4, 5}),
+      matcher("matcher64", images.vga, 64, side, upright, {4.5, 6}),
+      matcher("matcher48_aligned", images.vga, 48, side, aligned, {2.2, 3}),
       speckle(images.vga),
-      tree("tree48", images.vga, 48, sets, upright, {4, 5}),
-      back_end(images.vga, sets),
-      census(images.quarter, sets),
-      semi_global("sgm64", images.vga, 64, sets, {4, 6}),
-      tree("tree48_aligned", images.vga, 48, sets, aligned, {}),
-      matcher("matcher128_1280x960", images.large, 128, sets, upright, {}),
+      tree("tree48", images.vga, 48, side, upright, {4, 5}),
+      back_end(images.vga, side),
+      census(images.quarter, side),
+      semi_global("sgm64", images.vga, 64, side, {4, 6}),
+      tree("tree48_aligned", images.vga, 48, side, aligned, {}),
+      matcher("matcher128_1280x960", images.large, 128, side, upright, {}),
   };
   for (const auto& [name, frames] : images.recorded) {
-    all.push_back(matcher("matcher64_" + name, frames, 64, sets, upright, {}));
-    all.push_back(matcher("matcher64_aligned_" + name, frames, 64, sets, aligned, {}));
-    all.push_back(semi_global("sgm64_" + name, frames, 64, sets, {}));
+    all.push_back(matcher("matcher64_" + name, frames, 64, side, upright, {}));
+    all.push_back(matcher("matcher64_aligned_" + name, frames, 64, side, aligned, {}));
+    all.push_back(semi_global("sgm64_" + name, frames, 64, side, {}));
   }
   return all;
 }

@@ -37,7 +37,12 @@ struct Images {
   std::vector<std::pair<std::string, Frames>> recorded;  ///< more pairs, by name
 };
 
-/// `sets` are SECTION.KEY=VALUE that go before what a contest sets for our side.
-std::vector<Contest> contests(const Images& images, const std::vector<std::string>& sets);
+/// What is asked of our side of every contest: SECTION.KEY=VALUE that go before the contest's own, and the instruction set.
+struct OurSide {
+  std::vector<std::string> sets;
+  std::string cpu = "auto";
+};
+
+std::vector<Contest> contests(const Images& images, const OurSide& side);
 
 }  // namespace vdisp::bench

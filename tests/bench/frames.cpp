@@ -23,8 +23,9 @@ Set grab(StereoSource& source, const std::vector<ImageSpec>& specs) {
 
 Set rectify(const Set& raw, const std::optional<Calibration>& calibration, const Config& config) {
   Set views;
+  Machine machine;
   for (Side side : {Side::left, Side::right}) {
-    Rectify stage(side, calibration, config);
+    Rectify stage(side, calibration, machine, config);
     std::vector<std::unique_ptr<Picture>> out;
     if (run_stage(stage, {raw.at(static_cast<size_t>(side)).get()}, out) != Outcome::valid) throw std::runtime_error("no rectified view");
     views.push_back(std::move(out.at(0)));

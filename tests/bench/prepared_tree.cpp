@@ -46,9 +46,9 @@ class PreparedTree::Rotating final : public Outlet {
   size_t place_;
 };
 
-PreparedTree::PreparedTree(Config config, std::vector<Set> sets, std::vector<std::string> names, std::optional<Calibration> calibration,
+PreparedTree::PreparedTree(Setup setup, std::vector<Set> sets, std::vector<std::string> names, std::optional<Calibration> calibration,
                            const Grow& grow)
-    : config_(std::move(config)), sets_(std::move(sets)) {
+    : config_(std::move(setup.config)), machine_(config_.main.threads, setup.cpu), sets_(std::move(sets)) {
   for (const Set& set : sets_) {
     headers_.emplace_back();
     for (const auto& picture : set) {
@@ -56,7 +56,7 @@ PreparedTree::PreparedTree(Config config, std::vector<Set> sets, std::vector<std
       headers_.back().back()->image().describe_like(picture->image());
     }
   }
-  grow(driver_, std::make_unique<Source>(*this, std::move(calibration)), config_);
+  grow(driver_, std::make_unique<Source>(*this, std::move(calibration)), machine_, config_);
   driver_.connect([&](const std::string& topic, const ImageSpec& spec) {
     const auto place = std::find(names.begin(), names.end(), topic);
     std::unique_ptr<Outlet> outlet;
