@@ -319,7 +319,8 @@ void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& sc
 template <Cost cost, class D8>
 void match(D8 d8, const BlockSearch& s, int row, bool fresh, BlockScratch& scratch, const Candidates& out) {
   const int n8 = static_cast<int>(hn::Lanes(d8)), wide = (s.disparities + n8 - 1) / n8 * n8;
-  if (wide == static_cast<int>(hn::MaxLanes(D8()))) return match_wide<cost, static_cast<int>(hn::MaxLanes(D8()))>(d8, s, row, fresh, scratch, out);
+  if (wide == static_cast<int>(hn::MaxLanes(D8())))
+    return match_wide<cost, static_cast<int>(hn::MaxLanes(D8()))>(d8, s, row, fresh, scratch, out);
   if (cost == Cost::differences && wide == 48) return match_wide<cost, 48>(d8, s, row, fresh, scratch, out);
   if (cost == Cost::differences && wide == 64) return match_wide<cost, 64>(d8, s, row, fresh, scratch, out);
   match_wide<cost, 0>(d8, s, row, fresh, scratch, out);

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "daemon/kernels/block_match.h"
+#include "daemon/kernels/debayer.h"
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/rectify.h"
 #include "daemon/kernels/resolve.h"
 #include "daemon/kernels/shear.h"
-#include "daemon/kernels/texture.h"
 #include "daemon/kernels/smooth.h"
 #include "daemon/kernels/speckle.h"
-#include "daemon/kernels/debayer.h"
-#include "daemon/kernels/rectify.h"
+#include "daemon/kernels/texture.h"
 
 namespace vdisp::kernels {
 

@@ -20,8 +20,8 @@ struct Hypothesis {
 struct Resolve {
   int width = 0;
   int min_disparity = 0, disparities = 0;  ///< px: what leaves this range is outside
-  int unique = 0;                          ///< part of its cost by which a match must beat the other hypothesis' (percent_factor); 0: not asked
-  int floor_margin = 0;                    ///< part by which what is off the floor must beat the floor itself, not asked if unique is 0
+  int unique = 0;        ///< part of its cost by which a match must beat the other hypothesis' (percent_factor); 0: not asked
+  int floor_margin = 0;  ///< part by which what is off the floor must beat the floor itself, not asked if unique is 0
   int texture_least = 0;
   int16_t outside = 0, low_texture = 0, not_unique = 0, left_right = 0;
 };

@@ -65,7 +65,10 @@ kernels::BlockSearch BlockMatcher::floor_search() const {
 
 kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search, Band& band, int which) const {
   uint16_t* row = band.candidates.data() + which * 6 * row_;
-  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_, row + 5 * row_}, search.first_column(), search.last_column(), search.min_disparity};
+  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_, row + 5 * row_},
+          search.first_column(),
+          search.last_column(),
+          search.min_disparity};
 }
 
 void BlockMatcher::make_ready(const Image& left, const Image& right) noexcept {
@@ -82,12 +85,14 @@ void BlockMatcher::make_sheared(const Image& right, const ExpectedFloor& floor, 
   const auto& k = machine_.kernels;
   const int height = right.spec.height;
   machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
-    for (int v = first_row + first; v < first_row + last; ++v) k.shear_row(right.row<uint8_t>(v), right.spec.width, floor.row(v), moved_.plane.row(v));
+    for (int v = first_row + first; v < first_row + last; ++v)
+      k.shear_row(right.row<uint8_t>(v), right.spec.width, floor.row(v), moved_.plane.row(v));
   });
   // The gradient of a row needs its neighbours.
   machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
     k.x_sobel(moved_.plane, gradient_cap, first_row + first, first_row + last, unmirrored_.plane);
-    for (int v = first_row + first; v < first_row + last; ++v) k.mirror_row(unmirrored_.plane.row(v), right.spec.width, sheared_.plane.row(v));
+    for (int v = first_row + first; v < first_row + last; ++v)
+      k.mirror_row(unmirrored_.plane.row(v), right.spec.width, sheared_.plane.row(v));
   });
 }
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 namespace vdisp {
-Disparity::Disparity(Machine& machine, const Config& config) : machine_(machine), config_(config), expectation_(config), provisional_(config) {
+Disparity::Disparity(Machine& machine, const Config& config)
+    : machine_(machine), config_(config), expectation_(config), provisional_(config) {
   if (config.image_source.matcher == "bm") {
     block_.emplace(machine, config);
   } else {
@@ -14,7 +15,8 @@ Disparity::Disparity(Machine& machine, const Config& config) : machine_(machine)
 }
 
 std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
-  if (in.size() != 2 && in.size() != 3) throw FormatError("takes the two views and the last floor model, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 2 && in.size() != 3)
+    throw FormatError("takes the two views and the last floor model, was given " + std::to_string(in.size()) + " images");
   const ImageSpec &left = in[0], &right = in[1];
   require(left, Pixel::gray8, "the left image");
   require(right, Pixel::gray8, "the right image");
@@ -66,7 +68,8 @@ void Disparity::refuse_speckles(Image& out) noexcept {
   constexpr int least_band = 64;  // rows: joining bands has its price too
   const auto& k = machine_.kernels;
   const kernels::SpeckleRule rule{rejected_base, rejected(Rejected::speckle), p.SpeckleDiff * 4, p.SpeckleSize};
-  const kernels::Plane<int16_t> plane{out.row<int16_t>(0), out.spec.width, out.spec.height, static_cast<ptrdiff_t>(out.spec.stride() / sizeof(int16_t))};
+  const kernels::Plane<int16_t> plane{out.row<int16_t>(0), out.spec.width, out.spec.height,
+                                      static_cast<ptrdiff_t>(out.spec.stride() / sizeof(int16_t))};
   machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_label(plane, rule, first, last, *speckles_); });
   k.speckle_join(plane, rule, *speckles_);
   machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_refuse(rule, first, last, *speckles_, plane); });

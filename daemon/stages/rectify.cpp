@@ -77,11 +77,13 @@ bool Rectify::filter(const Image& in, Image& out) noexcept {
   kernels::View8 raw = plane_of(in.row<uint8_t>(0), in.spec);
   if (bayer_) {
     const auto grey = table_.empty() ? target : plane_of(grey_.data(), in.spec);
-    machine_.bands.run(raw.height, least_band, [&](int first, int last, int) { machine_.kernels.debayer(raw, *bayer_, first, last, grey); });
+    machine_.bands.run(raw.height, least_band,
+                       [&](int first, int last, int) { machine_.kernels.debayer(raw, *bayer_, first, last, grey); });
     raw = grey;
   }
   if (!table_.empty()) {
-    machine_.bands.run(raw.height, least_band, [&](int first, int last, int) { machine_.kernels.rectify(table_, raw, first, last, target); });
+    machine_.bands.run(raw.height, least_band,
+                       [&](int first, int last, int) { machine_.kernels.rectify(table_, raw, first, last, target); });
   } else if (!bayer_) {
     std::memcpy(target.data, raw.data, static_cast<size_t>(raw.stride) * in.spec.height);
   }

@@ -118,9 +118,11 @@ TEST(ResolveRow, is_the_same_at_every_level) {
 TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   Found one(1, 1), two(1, 1);
   const auto set = [](Found& f, uint16_t index, uint16_t cost) {
-    for (size_t i = 0; i < 6; ++i) f.rows[i][0] = std::array<uint16_t, 6>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0, cost}[i];
+    for (size_t i = 0; i < 6; ++i)
+      f.rows[i][0] = std::array<uint16_t, 6>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0, cost}[i];
   };
-  Resolve r{.width = 1, .disparities = 32, .unique = percent_factor(10), .floor_margin = percent_factor(50), .outside = -5, .not_unique = -2};
+  Resolve r{
+      .width = 1, .disparities = 32, .unique = percent_factor(10), .floor_margin = percent_factor(50), .outside = -5, .not_unique = -2};
   const uint16_t texture = 0;
   int16_t out = 0;
   const auto resolve = [&] {

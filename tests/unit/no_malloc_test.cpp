@@ -47,8 +47,9 @@ TEST_P(NoMallocTest, the_loop_takes_nothing_from_the_heap_with_every_stage_on) {
   RecordProperty("opencv_allocations_per_frame", static_cast<int>(found.opencv / 100));
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, NoMallocTest, testing::Values("bm", "opencv", "opencv-sgbm"),
-                         [](const auto& test) { return std::string(test.param) == "opencv-sgbm" ? std::string("opencv_sgbm") : std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Matchers, NoMallocTest, testing::Values("bm", "opencv", "opencv-sgbm"), [](const auto& test) {
+  return std::string(test.param) == "opencv-sgbm" ? std::string("opencv_sgbm") : std::string(test.param);
+});
 
 }  // namespace
 }  // namespace vdisp
