@@ -22,9 +22,13 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
-  const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), {left, right}, Need::always);
+  // The floor of the last frame tells the matcher where to expect this one's.
+  std::vector<Handle> views{left, right};
+  const bool floors = config.main.detectors == "vdisparity";
+  if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
+  const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
 
-  if (config.main.detectors == "vdisparity") {
+  if (floors) {
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
     const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(config), {vdisparity}, Need::always);
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});

@@ -38,7 +38,7 @@ int pixel_cost(const BlockSearch& s, int x, int y, int disparity) {
   return bits;
 }
 
-int more(int cost, int percent) { return cost + (cost * percent_factor(percent) >> 16); }
+int more(int cost, int factor) { return cost + (cost * factor >> 16); }
 
 /// The sums of the columns of this row's windows, from those of the row before or anew.
 void sum_columns(const BlockSearch& s, int row, bool fresh, int columns, uint8_t* sums) {
@@ -65,6 +65,7 @@ void choose(const BlockSearch& s, const int16_t* costs, int x, const Candidates&
   out.before[x] = static_cast<uint16_t>(costs[best > 0 ? best - 1 : best + 1]);
   out.after[x] = static_cast<uint16_t>(costs[best + 1 < n ? best + 1 : best - 1]);
   out.refused[x] = 0;
+  if (s.home > 0) out.home[x] = static_cast<uint16_t>(*std::min_element(costs + s.home - 1, costs + s.home + 2));
   for (int i = 0; s.unique > 0 && i < n; ++i) {
     if (std::abs(i - best) > 1 && costs[i] <= limit) out.refused[x] = candidate_not_unique;
   }

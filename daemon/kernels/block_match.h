@@ -10,6 +10,9 @@
 
 namespace vdisp::kernels {
 
+/// Parts of costs are given in 1/65536, rounded up, and are less than 1: p percent of c is c * percent_factor(p) >> 16.
+constexpr int percent_factor(int percent) { return (65536 * percent + 99) / 100; }
+
 /// What a pixel of the left view costs against one of the right view.
 enum class Cost {
   differences,  ///< |l - r|, at most `cap`: truncated absolute differences
@@ -28,8 +31,9 @@ struct BlockSearch {
   int window = 11;        ///< odd, 5 .. 21
   int disparities = 48;   ///< multiple of 16, 16 .. 256
   int min_disparity = 0;  ///< px
-  int unique = 10;        ///< percent; 0: not asked
-  int left_right = 10;    ///< percent by which the right view must match better elsewhere to refuse a match
+  int unique = 0;         ///< part of its cost by which a match must beat its rivals (percent_factor); 0: not asked
+  int left_right = 0;     ///< part by which the right view must match better elsewhere to refuse a match
+  int home = -1;          ///< index whose cost is wanted besides, 1 .. disparities - 2; -1: none
   View8 left, right;
   View8 left_more, right_more;  ///< hamming_two
 
@@ -41,9 +45,6 @@ struct BlockSearch {
 /// Why a candidate is not to be trusted; bits.
 inline constexpr uint16_t candidate_not_unique = 1, candidate_left_right = 2;
 
-/// A percentage below 100 in 1/65536, rounded up: p % of c is c * percent_factor(p) >> 16.
-constexpr int percent_factor(int percent) { return (65536 * percent + 99) / 100; }
-
 /// One row, an element a pixel, valid for columns [first_column, last_column) of the search. Up to `row_margin` elements behind the
 /// last column are written, whatever they hold.
 inline constexpr int row_margin = 32;
@@ -53,6 +54,7 @@ struct Candidates {
   uint16_t* before;   ///< cost of index - 1, of index + 1 where the search begins
   uint16_t* after;    ///< cost of index + 1, of index - 1 where the search ends
   uint16_t* refused;  ///< candidate_ bits
+  uint16_t* home;     ///< the least cost of the search's home and the two beside it; null where none is wanted
 };
 
 /// Work space of one band of rows for searches of up to this size.
@@ -79,9 +81,9 @@ class BlockScratch {
 /// Candidates of row `row`, which has the window inside the image: window / 2 <= row < height - window / 2. With `fresh` the row is the
 /// first of a band; without it the last call with this scratch was for row - 1 of the same search.
 ///
-/// not unique: a disparity more than 1 px away costs at most cost + unique % of it. left/right: the matched pixel
-/// of the right view has, among all pixels of the left one, a match of cost c with c + left_right % of it less than this
-/// one and than those that lead to the same right pixel from 1 px beside it.
+/// not unique: a disparity more than 1 px away costs at most cost and the part `unique` of it. left/right: the matched pixel
+/// of the right view has, among all pixels of the left one, a match that is cheaper even with the part `left_right` of its
+/// cost added than this one and than those that lead to the same right pixel from 1 px beside it.
 using MatchRow = void(const BlockSearch& search, int row, bool fresh, BlockScratch& scratch, const Candidates& out);
 
 namespace plain {

@@ -214,11 +214,11 @@ HWY_INLINE int16_t count_rivals(D16 d16, const int16_t* HWY_RESTRICT costs, int 
 #endif
 }
 
-/// cost + percent of it.
+/// cost and a part of it.
 template <class D16, class V16 = hn::Vec<D16> >
-HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
+HWY_INLINE V16 more(D16 d16, V16 cost, int factor) {
   const hn::RebindToUnsigned<D16> du;
-  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(percent_factor(percent))));
+  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(factor)));
   return hn::Add(cost, hn::BitCast(d16, part));
 }
 
@@ -228,6 +228,10 @@ HWY_INLINE void choose_strip(D16 d16, const Row<known>& row, int from, int to, c
   const hn::CappedTag<int16_t, 32> wide16;
   const int first = row.s.first_column(), wide = row.wide();
   for (int p = from; p < to; ++p) choose(d16, row.costs(p), wide, first + p, out);
+  for (int p = from; row.s.home > 0 && p < to; ++p) {
+    const int16_t* home = row.costs(p) + row.s.home;
+    out.home[first + p] = static_cast<uint16_t>(std::min(home[0], std::min(home[-1], home[1])));
+  }
   for (int p = from; p < to; p += static_cast<int>(hn::Lanes(wide16))) {
     const auto cost = hn::LoadU(wide16, reinterpret_cast<const int16_t*>(out.cost) + first + p);
     hn::StoreU(more(wide16, cost, row.s.unique), wide16, row.limits + p);
@@ -315,7 +319,8 @@ void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& sc
 template <Cost cost, class D8>
 void match(D8 d8, const BlockSearch& s, int row, bool fresh, BlockScratch& scratch, const Candidates& out) {
   const int n8 = static_cast<int>(hn::Lanes(d8)), wide = (s.disparities + n8 - 1) / n8 * n8;
-  if (wide == static_cast<int>(hn::MaxLanes(D8()))) return match_wide<cost, static_cast<int>(hn::MaxLanes(D8()))>(d8, s, row, fresh, scratch, out);
+  if (wide == static_cast<int>(hn::MaxLanes(D8())))
+    return match_wide<cost, static_cast<int>(hn::MaxLanes(D8()))>(d8, s, row, fresh, scratch, out);
   if (cost == Cost::differences && wide == 48) return match_wide<cost, 48>(d8, s, row, fresh, scratch, out);
   if (cost == Cost::differences && wide == 64) return match_wide<cost, 64>(d8, s, row, fresh, scratch, out);
   match_wide<cost, 0>(d8, s, row, fresh, scratch, out);

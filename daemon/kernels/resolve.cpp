@@ -19,18 +19,20 @@ Match match_of(const Hypothesis& hypothesis, int x, int moved) {
   return {16 * (hypothesis.min_disparity + c.index[x]) + moved, c.cost[x], c.before[x], c.after[x], c.refused[x]};
 }
 
-int more(int cost, int percent) { return cost + (cost * percent_factor(percent) >> 16); }
+int more(int cost, int factor) { return cost + (cost * factor >> 16); }
 
-Match choose(const Resolve& r, Match match, const Match& floor) {
+/// `ground`: disparity of the floor; `home`: what it costs.
+Match choose(const Resolve& r, const Match& match, const Match& floor, int ground, int home) {
   const bool floor_wins = floor.cost <= match.cost;
-  if (std::abs(floor.whole - match.whole) <= same_disparity) {
-    const bool take_floor = (floor.refused == 0) != (match.refused == 0) ? floor.refused == 0 : floor_wins;
-    return take_floor ? floor : match;
-  }
-  Match taken = floor_wins ? floor : match;
-  const int rival = floor_wins ? match.cost : floor.cost;
-  const int limit = more(taken.cost, floor_wins ? r.unique : r.floor_margin);
-  if (r.unique > 0 && rival <= limit) taken.refused |= candidate_not_unique;
+  const bool same = std::abs(floor.whole - match.whole) <= same_disparity;
+  const bool only_one = (floor.refused == 0) != (match.refused == 0);
+  const bool take_floor = same && only_one ? floor.refused == 0 : floor_wins;
+  Match taken = take_floor ? floor : match;
+  const int rival = take_floor ? match.cost : floor.cost;
+  const bool rivalled = !same && rival <= more(taken.cost, r.unique);
+  const bool on_floor = std::abs(taken.whole - ground) <= off_floor;
+  const bool explained = !on_floor && home <= more(taken.cost, r.floor_margin);
+  if (r.unique > 0 && (rivalled || explained)) taken.refused |= candidate_not_unique;
   return taken;
 }
 
@@ -48,7 +50,10 @@ void resolve_row(const Resolve& r, const Hypothesis& match, const Hypothesis* fl
   const int least = 16 * r.min_disparity, most = 16 * (r.min_disparity + r.disparities - 1);
   for (int x = match.first; x < match.last; ++x) {
     Match taken = match_of(match, x, 0);
-    if (floor && x >= floor->first && x < floor->last) taken = choose(r, taken, match_of(*floor, x, floor_disparity.at(x)));
+    if (floor && x >= floor->first && x < floor->last) {
+      const int ground = floor_disparity.at(x);
+      taken = choose(r, taken, match_of(*floor, x, ground), ground, floor->candidates.home[x]);
+    }
     const int disparity = taken.whole + sub_pixel(taken);
     if (texture[x] < r.texture_least) {
       out[x] = r.low_texture;

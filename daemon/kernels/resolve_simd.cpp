@@ -35,14 +35,14 @@ struct Decided {
 
 const int16_t* words(const uint16_t* row) { return reinterpret_cast<const int16_t*>(row); }
 
-template <class D16, class V16 = hn::Vec<D16>>
-HWY_INLINE V16 more(D16 d16, V16 cost, int percent) {
+template <class D16, class V16 = hn::Vec<D16> >
+HWY_INLINE V16 more(D16 d16, V16 cost, int factor) {
   const hn::RebindToUnsigned<D16> du;
-  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(percent_factor(percent))));
+  const auto part = hn::MulHigh(hn::BitCast(du, cost), hn::Set(du, static_cast<uint16_t>(factor)));
   return hn::Add(cost, hn::BitCast(d16, part));
 }
 
-template <class D16, class V16 = hn::Vec<D16>>
+template <class D16, class V16 = hn::Vec<D16> >
 HWY_INLINE V16 whole_of(D16 d16, const Hypothesis& hypothesis, int x) {
   const auto index = hn::LoadU(d16, words(hypothesis.candidates.index) + x);
   return hn::ShiftLeft<4>(hn::Add(index, hn::Set(d16, static_cast<int16_t>(hypothesis.min_disparity))));
@@ -63,8 +63,9 @@ HWY_INLINE void decide_plain(D16 d16, const Resolve& r, const Hypothesis& match,
 }
 
 /// The columns from x on: the cheaper of two, or none of them. `moved` is what the floor's disparities are counted from.
-template <class D16, class V16 = hn::Vec<D16>>
-HWY_INLINE void decide_both(D16 d16, const Resolve& r, const Hypothesis& match, const Hypothesis& floor, V16 moved, int x, int at, Decided& to) {
+template <class D16, class V16 = hn::Vec<D16> >
+HWY_INLINE void decide_both(D16 d16, const Resolve& r, const Hypothesis& match, const Hypothesis& floor, V16 moved, int x, int at,
+                            Decided& to) {
   const Candidates &c = match.candidates, &f = floor.candidates;
   const auto zero = hn::Zero(d16);
   const V16 whole = whole_of(d16, match, x), floor_whole = hn::Add(whole_of(d16, floor, x), moved);
@@ -74,13 +75,17 @@ HWY_INLINE void decide_both(D16 d16, const Resolve& r, const Hypothesis& match, 
   const auto cheaper = hn::Not(hn::Gt(floor_cost, cost));
   const auto passes = hn::Eq(refused, zero), floor_passes = hn::Eq(floor_refused, zero);
   const auto only_one = hn::Xor(passes, floor_passes);
-  const auto take = hn::MaskFromVec(hn::IfThenElse(hn::And(same, only_one), hn::VecFromMask(d16, floor_passes), hn::VecFromMask(d16, cheaper)));
+  const auto take =
+      hn::MaskFromVec(hn::IfThenElse(hn::And(same, only_one), hn::VecFromMask(d16, floor_passes), hn::VecFromMask(d16, cheaper)));
   const V16 taken = hn::IfThenElse(take, floor_cost, cost), rival = hn::IfThenElse(take, cost, floor_cost);
-  const V16 limit = hn::IfThenElse(take, more(d16, taken, r.unique), more(d16, taken, r.floor_margin));
-  const auto rivalled = hn::AndNot(same, hn::Not(hn::Gt(rival, limit)));
+  const auto rivalled = hn::AndNot(same, hn::Not(hn::Gt(rival, more(d16, taken, r.unique))));
+  const V16 taken_whole = hn::IfThenElse(take, floor_whole, whole), home = hn::LoadU(d16, words(f.home) + x);
+  const auto off = hn::Gt(hn::Abs(hn::Sub(taken_whole, moved)), hn::Set(d16, int16_t{off_floor}));
+  const auto explained = hn::And(off, hn::Not(hn::Gt(home, more(d16, taken, r.floor_margin))));
   V16 all = hn::IfThenElse(take, floor_refused, refused);
-  if (r.unique > 0) all = hn::Or(all, hn::IfThenElseZero(rivalled, hn::Set(d16, static_cast<int16_t>(candidate_not_unique))));
-  hn::Store(hn::IfThenElse(take, floor_whole, whole), d16, to.whole + at);
+  if (r.unique > 0)
+    all = hn::Or(all, hn::IfThenElseZero(hn::Or(rivalled, explained), hn::Set(d16, static_cast<int16_t>(candidate_not_unique))));
+  hn::Store(taken_whole, d16, to.whole + at);
   hn::Store(taken, d16, to.cost + at);
   hn::Store(hn::IfThenElse(take, hn::LoadU(d16, words(f.before) + x), hn::LoadU(d16, words(c.before) + x)), d16, to.before + at);
   hn::Store(hn::IfThenElse(take, hn::LoadU(d16, words(f.after) + x), hn::LoadU(d16, words(c.after) + x)), d16, to.after + at);

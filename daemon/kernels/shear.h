@@ -16,7 +16,9 @@ struct RowDisparity {
   int64_t per_column = 0;
 
   /// In 1/16 px, rounded down.
-  int at(int column) const { return static_cast<int>((at_zero + per_column * (per_column ? column / tilt_block * tilt_block + tilt_block / 2 : 0)) >> 16); }
+  int at(int column) const {
+    return static_cast<int>((at_zero + per_column * (per_column ? column / tilt_block * tilt_block + tilt_block / 2 : 0)) >> 16);
+  }
   static constexpr int tilt_block = 8;
 };
 

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int gradient_cap = 31;       // as in OpenCV's StereoBM: contrast above it counts as this much
 constexpr int floor_disparities = 16;  // searched around the floor expected
+constexpr int floor_margin = 50;       // percent the floor may fit worse than a match off it, and still refuse that
+constexpr int left_right_margin = 10;  // percent: where the right view is in doubt itself it refuses nothing
 constexpr int least_band = 32;         // rows: a band begins by summing a whole window
 
 kernels::View8 view_of(const Image& image) {
@@ -32,7 +34,7 @@ void BlockMatcher::prepare(const ImageSpec& spec) {
   for (Band& band : bands_) {
     band.plain = {spec.width, config_.image_source.ndisp};
     band.floor = {spec.width, floor_disparities};
-    band.candidates.resize(2 * 5 * row_);
+    band.candidates.resize(2 * 6 * row_);
     band.texture.resize(2 * static_cast<size_t>(spec.width + kernels::texture_margin));
   }
 }
@@ -44,7 +46,9 @@ kernels::BlockSearch BlockMatcher::plain_search() const {
   search.cap = std::min(2 * gradient_cap, 255 / p.corrsize);
   search.disparities = p.ndisp;
   search.min_disparity = p.minDisparity;
-  search.unique = p.unique;
+  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`.
+  search.unique = kernels::percent_factor(p.unique) * 4 / 5;
+  search.left_right = kernels::percent_factor(left_right_margin);
   search.left = left_.plane;
   search.right = right_.plane;
   return search;
@@ -54,13 +58,17 @@ kernels::BlockSearch BlockMatcher::floor_search() const {
   kernels::BlockSearch search = plain_search();
   search.disparities = floor_disparities;
   search.min_disparity = -floor_disparities / 2;
+  search.home = floor_disparities / 2;
   search.right = sheared_.plane;
   return search;
 }
 
 kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search, Band& band, int which) const {
-  uint16_t* row = band.candidates.data() + which * 5 * row_;
-  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_}, search.first_column(), search.last_column(), search.min_disparity};
+  uint16_t* row = band.candidates.data() + which * 6 * row_;
+  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_, row + 5 * row_},
+          search.first_column(),
+          search.last_column(),
+          search.min_disparity};
 }
 
 void BlockMatcher::make_ready(const Image& left, const Image& right) noexcept {
@@ -77,12 +85,14 @@ void BlockMatcher::make_sheared(const Image& right, const ExpectedFloor& floor, 
   const auto& k = machine_.kernels;
   const int height = right.spec.height;
   machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
-    for (int v = first_row + first; v < first_row + last; ++v) k.shear_row(right.row<uint8_t>(v), right.spec.width, floor.row(v), moved_.plane.row(v));
+    for (int v = first_row + first; v < first_row + last; ++v)
+      k.shear_row(right.row<uint8_t>(v), right.spec.width, floor.row(v), moved_.plane.row(v));
   });
   // The gradient of a row needs its neighbours.
   machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
     k.x_sobel(moved_.plane, gradient_cap, first_row + first, first_row + last, unmirrored_.plane);
-    for (int v = first_row + first; v < first_row + last; ++v) k.mirror_row(unmirrored_.plane.row(v), right.spec.width, sheared_.plane.row(v));
+    for (int v = first_row + first; v < first_row + last; ++v)
+      k.mirror_row(unmirrored_.plane.row(v), right.spec.width, sheared_.plane.row(v));
   });
 }
 
@@ -104,8 +114,10 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
   const int width = out.spec.width, height = out.spec.height, reach = p.corrsize / 2;
   const kernels::BlockSearch plain = plain_search(), aligned = floor_search();
   const kernels::Hypothesis match = hypothesis(plain, band, 0), ground = hypothesis(aligned, band, 1);
-  kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp, .unique = p.unique};
+  kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
   resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
+  resolve.unique = plain.unique;
+  resolve.floor_margin = kernels::percent_factor(floor_margin);
   resolve.outside = rejected(Rejected::outside);
   resolve.low_texture = rejected(Rejected::low_texture);
   resolve.not_unique = rejected(Rejected::not_unique);

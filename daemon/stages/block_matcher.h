@@ -22,7 +22,8 @@ namespace vdisp {
 ///   corrsize             side of the square window
 ///   thresh               the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same number
 ///                        means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
-///   unique               percent by which the best match must be better than any more than 1 px away
+///   unique               percent by which the best match must be better than any more than 1 px away, as StereoBM counts it: the
+///                        costs here are truncated, and 4/5 of it does the same
 class BlockMatcher {
  public:
   BlockMatcher(Machine& machine, const Config& config) : machine_(machine), config_(config) {}

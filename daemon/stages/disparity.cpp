@@ -5,7 +5,8 @@
 #include <algorithm>
 
 namespace vdisp {
-Disparity::Disparity(Machine& machine, const Config& config) : config_(config), expectation_(config) {
+Disparity::Disparity(Machine& machine, const Config& config)
+    : machine_(machine), config_(config), expectation_(config), provisional_(config) {
   if (config.image_source.matcher == "bm") {
     block_.emplace(machine, config);
   } else {
@@ -14,7 +15,8 @@ Disparity::Disparity(Machine& machine, const Config& config) : config_(config), 
 }
 
 std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
-  if (in.size() != 2 && in.size() != 3) throw FormatError("takes the two views and the last floor model, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 2 && in.size() != 3)
+    throw FormatError("takes the two views and the last floor model, was given " + std::to_string(in.size()) + " images");
   const ImageSpec &left = in[0], &right = in[1];
   require(left, Pixel::gray8, "the left image");
   require(right, Pixel::gray8, "the right image");
@@ -31,6 +33,8 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
   const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
   if (block_) block_->prepare(out);
   if (opencv_) opencv_->prepare(out);
+  provisional_.prepare(out);
+  speckles_.emplace(out.width, out.height);
   return {out};
 }
 
@@ -39,10 +43,7 @@ Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* co
   disparity.camera.min_disparity = config_.image_source.minDisparity;
   disparity.camera.disparities = config_.image_source.ndisp;
   if (block_) {
-    const FloorModel* last = in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr;
-    std::optional<ExpectedFloor> floor;
-    if (config_.image_source.align == "floor") floor = expectation_.expect(disparity, last);
-    block_->match(*in[0], *in[1], floor ? &*floor : nullptr, disparity);
+    match_blocks(*in[0], *in[1], in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr, disparity);
   } else {
     opencv_->match(*in[0], *in[1], disparity);
   }
@@ -50,22 +51,28 @@ Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* co
   return Outcome::valid;
 }
 
+void Disparity::match_blocks(const Image& left, const Image& right, const FloorModel* last, Image& out) noexcept {
+  const bool align = config_.image_source.align == "floor";
+  std::optional<ExpectedFloor> floor;
+  if (align) floor = expectation_.expect(out, last);
+  block_->match(left, right, floor ? &*floor : nullptr, out);
+  if (!align || floor) return;
+  // Nothing is known of the floor: what this first look shows of it serves a second one.
+  floor = expectation_.expect(out, provisional_.find(out));
+  if (floor) block_->match(left, right, &*floor, out);
+}
+
 void Disparity::refuse_speckles(Image& out) noexcept {
   const auto& p = config_.image_source;
   if (p.SpeckleSize == 0) return;
-  cv::Mat disparity(out.spec.height, out.spec.width, CV_16S, out.row<int16_t>(0), out.spec.stride());
-  const int16_t none = static_cast<int16_t>((p.minDisparity - 1) * 16);
-  disparity.copyTo(before_);
-  // The filter takes every value but `newVal` for a disparity: what is rejected already must not make regions.
-  disparity.setTo(none, disparity < rejected_base);
-  cv::filterSpeckles(disparity, none, p.SpeckleSize, p.SpeckleDiff * 4, speckles_);
-  for (int v = 0; v < disparity.rows; ++v) {
-    int16_t* d = disparity.ptr<int16_t>(v);
-    const int16_t* before = before_.ptr<int16_t>(v);
-    for (int u = 0; u < disparity.cols; ++u) {
-      if (d[u] == none) d[u] = rejected_code(before[u]) ? before[u] : rejected(Rejected::speckle);
-    }
-  }
+  constexpr int least_band = 64;  // rows: joining bands has its price too
+  const auto& k = machine_.kernels;
+  const kernels::SpeckleRule rule{rejected_base, rejected(Rejected::speckle), p.SpeckleDiff * 4, p.SpeckleSize};
+  const kernels::Plane<int16_t> plane{out.row<int16_t>(0), out.spec.width, out.spec.height,
+                                      static_cast<ptrdiff_t>(out.spec.stride() / sizeof(int16_t))};
+  machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_label(plane, rule, first, last, *speckles_); });
+  k.speckle_join(plane, rule, *speckles_);
+  machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_refuse(rule, first, last, *speckles_, plane); });
 }
 
 }  // namespace vdisp

@@ -19,13 +19,16 @@ class Disparity final : public ImageProcessor {
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
+  void match_blocks(const Image& left, const Image& right, const FloorModel* last, Image& out) noexcept;
   void refuse_speckles(Image& out) noexcept;
 
+  Machine& machine_;
   const Config& config_;
   FloorExpectation expectation_;
+  ProvisionalFloor provisional_;
   std::optional<BlockMatcher> block_;  // one of these is set
   std::optional<OpenCvMatcher> opencv_;
-  cv::Mat before_, speckles_;  // work space of the speckle filter
+  std::optional<kernels::SpeckleScratch> speckles_;
 };
 
 }  // namespace vdisp

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "daemon/stages/floor.h"
-#include "daemon/stages/vdisparity.h"
-#include "ipc/outlet.h"
+#include "config/config.h"
+#include "daemon/stages/provisional_floor.h"
 
 namespace vdisp {
 
@@ -29,9 +27,7 @@ class FloorCheck {
   void measure(const cv::Mat& left, const cv::Mat& right, const Image& disparity) noexcept;
 
   const Config& config_;
-  VDisparity vdisparity_;
-  Floor floor_;
-  std::unique_ptr<BufferOutlet> votes_, line_, model_;
+  ProvisionalFloor provisional_;
   std::vector<int> shift_;  // of the floor, for each row, 1/16 px
   cv::Mat gradient_, left_gradient_, right_gradient_;
   cv::Mat off_floor_, off_match_, floor_cost_, match_cost_;

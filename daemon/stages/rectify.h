@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
@@ -14,7 +15,8 @@ namespace vdisp {
 
 enum class Side { left = 0, right = 1 };
 
-/// gray8 to gray8. Without calibration, or with one of rectified images, the view is passed on as it is.
+/// gray8 to gray8. Without calibration, or with one of rectified images, the view is passed on as it is. Where [image source] bayer
+/// says that the view is a colour mosaic it is turned into grey first.
 class Rectify final : public ImageFilter {
  public:
   /// Throws FormatError (in accept) where calibration, configuration and images are of different sizes.
@@ -27,8 +29,10 @@ class Rectify final : public ImageFilter {
   std::optional<Calibration> calibration_;
   Machine& machine_;
   const Config& config_;
+  std::optional<kernels::Bayer> bayer_;
   CameraGeometry geometry_{};
-  cv::Mat whole_, fraction_;  // where each pixel comes from, 16SC2 and its 5-bit fractions
+  kernels::RectifyTable table_;
+  std::vector<uint8_t> grey_;  // the raw view without its mosaic, as large as the image
 };
 
 }  // namespace vdisp

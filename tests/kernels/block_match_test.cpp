@@ -6,15 +6,15 @@ namespace vdisp::kernels {
 namespace {
 
 struct Rows {
-  explicit Rows(int width) : data(static_cast<size_t>(5 * (width + row_margin)), 0xABCD), width_(width + row_margin) {}
+  explicit Rows(int width) : data(static_cast<size_t>(6 * (width + row_margin)), 0xABCD), width_(width + row_margin) {}
   Candidates row() {
     uint16_t* p = data.data();
-    return {p, p + width_, p + 2 * width_, p + 3 * width_, p + 4 * width_};
+    return {p, p + width_, p + 2 * width_, p + 3 * width_, p + 4 * width_, p + 5 * width_};
   }
-  /// The columns [from, to) of all five.
+  /// The columns [from, to) of all six.
   std::vector<uint16_t> columns(int from, int to) const {
     std::vector<uint16_t> all;
-    for (int i = 0; i < 5 && to > from; ++i) all.insert(all.end(), data.begin() + i * width_ + from, data.begin() + i * width_ + to);
+    for (int i = 0; i < 6 && to > from; ++i) all.insert(all.end(), data.begin() + i * width_ + from, data.begin() + i * width_ + to);
     return all;
   }
   std::vector<uint16_t> data;
@@ -41,9 +41,11 @@ struct Pair {
     BlockSearch s;
     s.cost = cost;
     s.window = window;
+    s.unique = s.left_right = percent_factor(10);
     s.cap = 255 / window;
     s.disparities = disparities;
     s.min_disparity = least;
+    s.home = window == 11 ? 8 : -1;
     s.left = left.view();
     s.right = right.view();
     s.left_more = left_more.view();

@@ -68,7 +68,7 @@ TEST(TextureRow, is_the_sum_written_out_at_every_level) {
 
 /// Candidates as they may come: costs that differ little, refusals, search ends.
 struct Found {
-  Found(int width, uint32_t seed) : rows(5, std::vector<uint16_t>(static_cast<size_t>(width + row_margin))) {
+  Found(int width, uint32_t seed) : rows(6, std::vector<uint16_t>(static_cast<size_t>(width + row_margin))) {
     std::minstd_rand random(seed);
     for (size_t x = 0; x < rows[0].size(); ++x) {
       const auto draw = [&](uint32_t n) { return static_cast<uint16_t>((random() >> 8) % n); };
@@ -77,10 +77,11 @@ struct Found {
       rows[2][x] = static_cast<uint16_t>(rows[1][x] + draw(90));
       rows[3][x] = static_cast<uint16_t>(rows[1][x] + draw(90) * (draw(8) ? 1u : 0u));
       rows[4][x] = draw(3) ? uint16_t{0} : draw(4);
+      rows[5][x] = static_cast<uint16_t>(rows[1][x] + draw(150));
     }
   }
   Hypothesis hypothesis(int first, int last, int least) {
-    return {{rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data(), rows[4].data()}, first, last, least};
+    return {{rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data(), rows[4].data(), rows[5].data()}, first, last, least};
   }
   std::vector<std::vector<uint16_t>> rows;
 };
@@ -93,7 +94,8 @@ TEST(ResolveRow, is_the_same_at_every_level) {
         std::vector<uint16_t> texture(static_cast<size_t>(width));
         for (size_t x = 0; x < texture.size(); ++x) texture[x] = static_cast<uint16_t>(x * 7 % 50);
         Resolve r{.width = width, .min_disparity = static_cast<int>(seed % 3) - 1, .disparities = 16, .texture_least = 10};
-        r.unique = seed % 4 ? 10 : 0;
+        r.unique = seed % 4 ? percent_factor(10) : 0;
+        r.floor_margin = percent_factor(50);
         r.outside = -32005, r.low_texture = -32001, r.not_unique = -32002, r.left_right = -32003;
         const Hypothesis match = one.hypothesis(width / 6, width - width / 9, r.min_disparity);
         const Hypothesis floor = two.hypothesis(width / 5, width - width / 7, -8);
@@ -116,9 +118,11 @@ TEST(ResolveRow, is_the_same_at_every_level) {
 TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   Found one(1, 1), two(1, 1);
   const auto set = [](Found& f, uint16_t index, uint16_t cost) {
-    for (size_t i = 0; i < 5; ++i) f.rows[i][0] = std::array<uint16_t, 5>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0}[i];
+    for (size_t i = 0; i < 6; ++i)
+      f.rows[i][0] = std::array<uint16_t, 6>{index, cost, uint16_t(cost + 50), uint16_t(cost + 50), 0, cost}[i];
   };
-  Resolve r{.width = 1, .disparities = 32, .unique = 10, .floor_margin = 50, .outside = -5, .not_unique = -2};
+  Resolve r{
+      .width = 1, .disparities = 32, .unique = percent_factor(10), .floor_margin = percent_factor(50), .outside = -5, .not_unique = -2};
   const uint16_t texture = 0;
   int16_t out = 0;
   const auto resolve = [&] {
@@ -135,7 +139,7 @@ TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   set(two, 8, 95);
   EXPECT_EQ(resolve(), -2) << "the match fits nearly as well as the floor";
   set(one, 11, 95), set(two, 8, 95);
-  EXPECT_EQ(resolve(), 16 * 10) << "both say the same within 2 px";
+  EXPECT_EQ(resolve(), 16 * 10) << "both say the same within 1 px";
 }
 
 TEST(ResolveRow, the_sub_pixel_part_is_where_two_equal_slopes_meet) {
