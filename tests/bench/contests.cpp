@@ -11,6 +11,7 @@
 #include "daemon/tree.h"
 #include "tests/bench/opencv_stages.h"
 #include "tests/bench/prepared_tree.h"
+#include "tests/bench/speckle_run.h"
 
 namespace vdisp::bench {
 namespace {
@@ -150,18 +151,6 @@ Contest tree(const std::string& name, const Frames& frames, int ndisp, const Our
   return contest;
 }
 
-/// What a matcher makes of each pair: input of the steps behind it.
-std::vector<Set> disparities(const Frames& frames, int ndisp, Filters filters) {
-  std::vector<Set> sets;
-  CvBlockMatcher matcher(ndisp, filters);
-  for (const Set& views : frames.rectified) {
-    std::vector<std::unique_ptr<Picture>> out;
-    run_stage(matcher, {views[0].get(), views[1].get()}, out);
-    sets.push_back({std::move(out.at(0))});
-  }
-  return sets;
-}
-
 /// Floor, limit, map and v-disparity of the same disparities. OpenCV has no such thing.
 Contest back_end(const Frames& frames, const OurSide& side) {
   Contest contest{"backend", {0, 0, 0.4, 0.25}, {}, {}, {}};
@@ -176,29 +165,15 @@ Contest back_end(const Frames& frames, const OurSide& side) {
   return contest;
 }
 
-/// The filter changes its image: each run gets a fresh copy, which is not timed.
-Contest speckle(const Frames& frames) {
+Contest speckle(const Frames& frames, const OurSide& side) {
   Contest contest{"speckle", {3, 4}, {}, {}, {}};
-  contest.ours = [](int) -> Work { throw std::runtime_error("there is no speckle kernel yet"); };
-  contest.peer = [&frames](int) -> Work {
-    struct State {
-      std::vector<Set> sets;
-      size_t current = 0;
-      Picture image;
-      cv::Mat work;
-    };
-    auto sets = disparities(frames, 48, Filters::no_speckle);
-    const ImageSpec spec = sets.at(0).at(0)->spec();
-    auto state = std::make_shared<State>(State{std::move(sets), 0, Picture(spec), {}});
-    return {[state] {
-              const Image& from = state->sets[++state->current % state->sets.size()].at(0)->image();
-              std::memcpy(state->image.image().row<int16_t>(0), from.row<int16_t>(0), from.spec.bytes() - sizeof(Image));
-            },
-            [state] {
-              cv::Mat disparity = mat(state->image.image(), CV_16S);
-              cv::filterSpeckles(disparity, -16, speckle_size, speckle_diff, state->work);
-            },
-            [state] { return &state->image.image(); }};
+  contest.ours = [&frames, side](int threads) -> Work {
+    auto run = std::make_shared<SpeckleRun>(frames, ours(threads, side, {}));
+    return {[run] { run->prepare(); }, [run] { run->ours(); }, [run] { return run->image(); }};
+  };
+  contest.peer = [&frames, side](int) -> Work {
+    auto run = std::make_shared<SpeckleRun>(frames, ours(1, side, {}));
+    return {[run] { run->prepare(); }, [run] { run->peer(); }, [run] { return run->image(); }};
   };
   return contest;
 }
@@ -213,7 +188,7 @@ std::vector<Contest> contests(const Images& images, const OurSide& side) {
       matcher("matcher48", images.vga, 48, side, upright, {4, 5}),
       matcher("matcher64", images.vga, 64, side, upright, {4.5, 6}),
       matcher("matcher48_aligned", images.vga, 48, side, aligned, {2.2, 3}),
-      speckle(images.vga),
+      speckle(images.vga, side),
       tree("tree48", images.vga, 48, side, upright, {4, 5}),
       back_end(images.vga, side),
       census(images.quarter, side),

@@ -75,4 +75,15 @@ bool CvSemiGlobal::combine(const Image& left, const Image& right, Image& out) no
   return true;
 }
 
+std::vector<Set> disparities(const Frames& frames, int ndisp, Filters filters) {
+  std::vector<Set> sets;
+  CvBlockMatcher matcher(ndisp, filters);
+  for (const Set& views : frames.rectified) {
+    std::vector<std::unique_ptr<Picture>> out;
+    run_stage(matcher, {views[0].get(), views[1].get()}, out);
+    sets.push_back({std::move(out.at(0))});
+  }
+  return sets;
+}
+
 }  // namespace vdisp::bench

@@ -7,6 +7,7 @@
 #include "daemon/core/processor.h"
 #include "daemon/geometry/calibration.h"
 #include "daemon/stages/rectify.h"
+#include "tests/bench/frames.h"
 
 namespace vdisp::bench {
 
@@ -53,6 +54,9 @@ class CvSemiGlobal final : public BinaryOperator {
  private:
   cv::Ptr<cv::StereoSGBM> matcher_;
 };
+
+/// What StereoBM makes of each pair: input of the steps behind a matcher.
+std::vector<Set> disparities(const Frames& frames, int ndisp, Filters filters);
 
 cv::Mat mat(const Image& image, int type);
 
