@@ -39,6 +39,10 @@ Kernels plain_kernels() {
       .speckle_label = plain::speckle_label,
       .speckle_join = plain::speckle_join,
       .speckle_refuse = plain::speckle_refuse,
+      .sparse_census = plain::sparse_census,
+      .paths_across = plain::paths_across,
+      .paths_down = plain::paths_down,
+      .paths_row = plain::paths_row,
       .rectify = plain::rectify,
       .debayer = plain::debayer,
   };
@@ -71,6 +75,10 @@ Kernels kernels(std::string_view level) {
     choose_smooth(table);
     choose_speckle_label(table);
     choose_speckle_refuse(table);
+    choose_sparse_census(table);
+    choose_paths_across(table);
+    choose_paths_down(table);
+    choose_paths_row(table);
     choose_rectify(table);
     choose_debayer(table);
     return table;

@@ -11,6 +11,7 @@
 #include "daemon/kernels/prefilter.h"
 #include "daemon/kernels/rectify.h"
 #include "daemon/kernels/resolve.h"
+#include "daemon/kernels/semi_global.h"
 #include "daemon/kernels/shear.h"
 #include "daemon/kernels/smooth.h"
 #include "daemon/kernels/speckle.h"
@@ -32,6 +33,10 @@ struct Kernels {
   SpeckleLabel* speckle_label;
   SpeckleJoin* speckle_join;
   SpeckleRefuse* speckle_refuse;
+  SparseCensus* sparse_census;
+  PathsAcross* paths_across;
+  PathsDown* paths_down;
+  PathsRow* paths_row;
   Rectify* rectify;
   Debayer* debayer;
 };

@@ -23,6 +23,10 @@ void choose_texture(Kernels& table);
 void choose_smooth(Kernels& table);
 void choose_speckle_label(Kernels& table);
 void choose_speckle_refuse(Kernels& table);
+void choose_sparse_census(Kernels& table);
+void choose_paths_across(Kernels& table);
+void choose_paths_down(Kernels& table);
+void choose_paths_row(Kernels& table);
 void choose_rectify(Kernels& table);
 void choose_debayer(Kernels& table);
 

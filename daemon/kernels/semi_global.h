@@ -1,0 +1,94 @@
+// semi_global.h: contracts: semi-global matching on sparse census codes: costs, paths across, paths down and up, winners of a row.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "daemon/kernels/block_match.h"
+
+namespace vdisp::kernels {
+
+/// Census codes of 16 bits in two planes of 8: bit i says that the pixel at pair i's offset is darker than the one opposite, point-mirrored
+/// about the centre. The pairs are spread over a window of 9 x 7. Pixels outside the image are those of its border.
+/// Writes rows [first, last) of `low` and `high`, which have the size of `image`.
+using SparseCensus = void(View8 image, int first, int last, Plane<uint8_t> low, Plane<uint8_t> high);
+
+/// One search (Hirschmueller 2008). A pixel costs the bits in which its code differs from that of its match, summed over 3 x 3 pixels, / 4.
+/// A path carries the least sum of costs and penalties on the way to a pixel; all sums end at 255.
+struct SemiGlobal {
+  int disparities = 64;   ///< multiple of 16, 16 .. 256
+  int min_disparity = 0;  ///< px
+  int paths = 4;          ///< 4: across, down and up; 8: the diagonals too, and every path counts half
+  int small = 16;         ///< penalty of a step of 1 px
+  int large = 140;        ///< of any other, less 2^slope for each grey level between the two pixels, but at least large_least
+  int large_least = 27, slope = 2;
+  int unique = 0;      ///< as in BlockSearch
+  int left_right = 0;  ///< as in BlockSearch
+  View8 image;         ///< the left view
+  View8 left_low, left_high, right_low, right_high;  ///< codes
+
+  /// Columns [first, last) have their whole search inside the right view; where last <= first there are none.
+  int first_column() const { return std::max(min_disparity + disparities - 1, 0); }
+  int last_column() const { return image.width + std::min(min_disparity, 0); }
+  int columns() const { return std::max(last_column() - first_column(), 0); }
+  /// Penalty of a jump between pixels that differ by `step` grey levels.
+  int jump(int step) const { return std::max(large - (step << slope), large_least); }
+};
+
+/// Bytes behind the end of the code planes' rows that are read, whatever they hold.
+inline constexpr int codes_margin = 64;
+
+/// Costs and sums of paths for one image, a byte each: of each row blocks of 64 columns, of each block the disparities one after the
+/// other, of each disparity 64 columns. Column 0 is the search's first.
+class SemiGlobalVolume {
+ public:
+  static constexpr int block = 64, rows_across = 16;
+
+  SemiGlobalVolume() = default;
+  /// For searches in images of this size. `threads`: how many calls may run at a time. Throws std::bad_alloc.
+  SemiGlobalVolume(int width, int height, int disparities, int threads);
+
+  uint8_t* costs(int row, int b) const { return costs_.get() + at(row, b); }
+  uint8_t* sums(int row, int b) const { return sums_.get() + at(row, b); }
+  int blocks() const { return blocks_; }
+  size_t stride() const { return stride_; }  ///< of rows
+  /// Work space of one call.
+  uint8_t* work(int thread) const { return work_.get() + static_cast<size_t>(thread) * work_bytes_; }
+  size_t bytes() const { return bytes_; }
+
+  /// Sizes of what the work space is divided into; the vector forms' own.
+  static size_t plane_bytes(int blocks, int disparities) { return static_cast<size_t>(blocks * block + 128) * disparities; }
+  static size_t across_stride(int disparities) { return static_cast<size_t>(rows_across * disparities + 64); }
+
+ private:
+  struct Free {
+    void operator()(uint8_t* p) const { ::operator delete[](p, std::align_val_t{1 << 21}); }
+  };
+  using Memory = std::unique_ptr<uint8_t[], Free>;
+  size_t at(int row, int b) const { return static_cast<size_t>(row) * stride_ + static_cast<size_t>(b) * block * disparities_; }
+
+  int disparities_ = 0, blocks_ = 0;
+  size_t stride_ = 0, work_bytes_ = 0, bytes_ = 0;
+  Memory costs_, sums_, work_;
+};
+
+/// Step 1: writes the costs of rows [row, row + rows_across) and, as their sums, the paths from the left and from the right. `row` is a
+/// multiple of rows_across. Such groups do not depend on each other. Columns behind the last are written, whatever they hold.
+using PathsAcross = void(const SemiGlobal& search, int row, const SemiGlobalVolume& volume, uint8_t* work);
+/// Step 2, when step 1 is done for all rows: adds the paths down and up. With 4 paths blocks [first, last) do not depend on the others;
+/// with 8 it is one call for all.
+using PathsDown = void(const SemiGlobal& search, int first_block, int last_block, const SemiGlobalVolume& volume, uint8_t* work);
+/// Step 3: the candidates of one row from its sums, for columns [first_column, last_column), with the meaning they have in MatchRow.
+using PathsRow = void(const SemiGlobal& search, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out);
+
+namespace plain {
+SparseCensus sparse_census;
+PathsAcross paths_across;
+PathsDown paths_down;
+PathsRow paths_row;
+}  // namespace plain
+
+}  // namespace vdisp::kernels

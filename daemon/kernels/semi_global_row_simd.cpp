@@ -1,0 +1,135 @@
+// semi_global_row_simd.cpp: the winners of a row of path sums, and what its filters ask, for all instruction sets.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstring>
+
+#include "daemon/kernels/kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "daemon/kernels/semi_global_row_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "daemon/kernels/simd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace vdisp::kernels {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR
+void paths_row(const SemiGlobal& s, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
+  plain::paths_row(s, row, volume, work, out);
+}
+#else
+
+constexpr int block = SemiGlobalVolume::block;
+
+int more(int cost, int factor) { return std::min(cost + (cost * factor >> 16), 255); }
+
+/// The best of each pixel of a block, and whether it has a rival.
+struct Winners {
+  HWY_ALIGN uint8_t index[block], cost[block], refused[block];
+};
+
+/// Costs with the part `factor` of them added.
+template <class D>
+HWY_INLINE hn::Vec<D> with_more(D d, hn::Vec<D> cost, int factor) {
+  const hn::Half<D> half;
+  const hn::Rebind<uint16_t, decltype(half)> d16;
+  const hn::Rebind<int16_t, decltype(half)> i16;
+  const auto part = hn::Set(d16, static_cast<uint16_t>(factor));
+  const auto low = hn::PromoteTo(d16, hn::LowerHalf(half, cost)), high = hn::PromoteTo(d16, hn::UpperHalf(half, cost));
+  const auto low_more = hn::DemoteTo(half, hn::BitCast(i16, hn::Add(low, hn::MulHigh(low, part))));
+  const auto high_more = hn::DemoteTo(half, hn::BitCast(i16, hn::Add(high, hn::MulHigh(high, part))));
+  return hn::Combine(d, high_more, low_more);
+}
+
+/// `sums`: those of a block; columns from `valid` on are none. Writes each sum where the pixel of the right view stands that it is about:
+/// column x of disparity i to x - i + n - 1 of `shifted`'s row i.
+template <class D>
+HWY_INLINE void find_winners(D d, const SemiGlobal& s, const uint8_t* sums, int valid, uint8_t* shifted, ptrdiff_t stride, Winners& out) {
+  const int lanes = static_cast<int>(hn::Lanes(d)), n = s.disparities;
+  const auto most = hn::Set(d, uint8_t{255}), one = hn::Set(d, uint8_t{1});
+  for (int x = 0; x < block; x += lanes) {
+    const auto lane = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<uint8_t>(x)));
+    const auto none = hn::Not(hn::VecFromMask(d, hn::Lt(lane, hn::Set(d, static_cast<uint8_t>(valid)))));
+    auto least = hn::LoadU(d, sums + x), best = hn::Zero(d), i_now = hn::Zero(d);
+    for (int i = 0; i < n; ++i) {
+      const auto sum = hn::LoadU(d, sums + i * block + x);
+      hn::StoreU(hn::Or(sum, none), d, shifted + i * stride + x + n - 1 - i);
+      best = hn::IfThenElse(hn::Lt(sum, least), i_now, best);
+      least = hn::Min(least, sum);
+      i_now = hn::Add(i_now, one);
+    }
+    auto rival = most;
+    i_now = hn::Zero(d);
+    for (int i = 0; s.unique > 0 && i < n; ++i) {
+      const auto distance = hn::Or(hn::SaturatedSub(i_now, best), hn::SaturatedSub(best, i_now));
+      const auto near = hn::VecFromMask(d, hn::Eq(hn::Min(distance, one), distance));
+      rival = hn::Min(rival, hn::Or(hn::LoadU(d, sums + i * block + x), near));
+      i_now = hn::Add(i_now, one);
+    }
+    const auto rivalled = hn::VecFromMask(d, hn::Eq(hn::Min(rival, with_more(d, least, s.unique)), rival));
+    hn::StoreU(best, d, out.index + x);
+    hn::StoreU(least, d, out.cost + x);
+    hn::StoreU(s.unique > 0 ? hn::And(rivalled, one) : hn::Zero(d), d, out.refused + x);
+  }
+}
+
+/// The least of all disparities for each pixel of the right view that a block can match.
+template <class D>
+HWY_INLINE void take_least(D d, const uint8_t* shifted, ptrdiff_t stride, int n, uint8_t* right) {
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int q = 0; q < block + n; q += lanes) {
+    auto least = hn::LoadU(d, right + q);
+    for (int i = 0; i < n; ++i) least = hn::Min(least, hn::LoadU(d, shifted + i * stride + q));
+    hn::StoreU(least, d, right + q);
+  }
+}
+
+void paths_row(const SemiGlobal& s, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
+  const hn::CappedTag<uint8_t, 64> d;
+  const int n = s.disparities, columns = s.columns(), first = s.first_column(), blocks = (columns + block - 1) / block;
+  const ptrdiff_t stride = (block + n + 63) / 64 * 64 + 64;
+  uint8_t *shifted = work, *right = work + stride * n;
+  std::memset(work, 255, static_cast<size_t>(stride * n + blocks * block + n + block));
+  const auto at = [&](int x, int i) { return volume.sums(row, x / block)[i * block + x % block]; };
+  Winners winners;
+  for (int b = 0; b < blocks; ++b) {
+    const uint8_t* sums = volume.sums(row, b);
+    const int valid = std::min(columns - b * block, block);
+    find_winners(d, s, sums, valid, shifted, stride, winners);
+    take_least(d, shifted, stride, n, right + b * block);
+    for (int k = 0; k < valid; ++k) {
+      const int x = first + b * block + k, i = winners.index[k];
+      out.index[x] = static_cast<uint16_t>(i);
+      out.cost[x] = winners.cost[k];
+      out.before[x] = sums[(i > 0 ? i - 1 : i + 1) * block + k];
+      out.after[x] = sums[(i + 1 < n ? i + 1 : i - 1) * block + k];
+      out.refused[x] = winners.refused[k];
+    }
+  }
+  for (int x = 0; x < columns; ++x) {
+    const int i = out.index[first + x];
+    int match = out.cost[first + x];
+    if (x > 0 && i > 0) match = std::min<int>(match, at(x - 1, i - 1));
+    if (x + 1 < columns && i + 1 < n) match = std::min<int>(match, at(x + 1, i + 1));
+    if (more(right[x - i + n - 1], s.left_right) < match) out.refused[first + x] |= candidate_left_right;
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace vdisp::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace vdisp::kernels {
+HWY_EXPORT(paths_row);
+void choose_paths_row(Kernels& table) { table.paths_row = VDISP_CHOSEN(paths_row); }
+}  // namespace vdisp::kernels
+#endif
