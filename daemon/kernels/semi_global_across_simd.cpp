@@ -1,6 +1,7 @@
 // semi_global_across_simd.cpp: costs and the paths from left and right, 16 rows at a time, for all instruction sets.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 
 #include "daemon/kernels/kernels.h"
 
@@ -30,77 +31,75 @@ constexpr int rows = SemiGlobalVolume::rows_across, block = SemiGlobalVolume::bl
 
 /// What one call works with; see SemiGlobalVolume's constructor for its size.
 struct Work {
-  Work(const SemiGlobal& search, const SemiGlobalVolume& volume, int first_row, uint8_t* memory)
+  Work(const SemiGlobal& search, const SemiGlobalVolume& to, int first_row, uint8_t* memory)
       : s(search),
+        volume(to),
         n(search.disparities),
         columns(search.columns()),
         blocks((columns + block - 1) / block),
         first(first_row),
-        stride(blocks * block + 128),
         column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::across_stride(n))) {
-    const size_t plane = SemiGlobalVolume::plane_bytes(blocks, n), turned_bytes = static_cast<size_t>(blocks * block * column_stride);
-    for (uint8_t*& ring : across) ring = take(memory, plane);
-    costs = take(memory, turned_bytes);
-    sums = take(memory, turned_bytes);
-    jumps = take(memory, static_cast<size_t>((columns + 2) * rows));
-    state = take(memory, static_cast<size_t>(n * rows + 128)) + 64;
-    line = take(memory, static_cast<size_t>(stride));
-    for (int r = 0; r < rows; ++r) {
-      const int y = std::min(first + r, s.image.height - 1);
-      cost_rows[r] = volume.costs(y, 0);
-      sum_rows[r] = first + r < s.image.height ? volume.sums(y, 0) : nullptr;
-    }
+    const auto take = [&memory](ptrdiff_t bytes) { return std::exchange(memory, memory + (bytes + 63) / 64 * 64); };
+    costs = take(blocks * block * column_stride);
+    sums = take(blocks * block * column_stride);
+    jumps = take((columns + 2) * rows);
+    state = take(n * rows + 128) + 64;
   }
-  static uint8_t* take(uint8_t*& memory, size_t bytes) {
-    uint8_t* taken = memory;
-    memory += (bytes + 63) / 64 * 64;
-    return taken;
-  }
+  int last_row() const { return std::min(first + rows, s.image.height) - 1; }
 
   const SemiGlobal& s;
+  const SemiGlobalVolume& volume;
   int n, columns, blocks, first;
-  ptrdiff_t stride, column_stride;
-  uint8_t* across[3];  // three rows of costs summed over 3 columns
-  uint8_t *costs, *sums, *jumps, *state, *line;
-  uint8_t *cost_rows[rows], *sum_rows[rows];
+  ptrdiff_t column_stride;
+  uint8_t *costs, *sums, *jumps, *state;
 };
 
-/// One row of code differences, summed over 3 columns.
-template <class D>
-HWY_INLINE void sum_row(D d, const Work& w, int y, uint8_t* out) {
+/// Some blocks of columns wide, few enough to stay in the nearest cache with all rows of codes they need.
+constexpr int chunk = 4 * block;
+struct Chunk {
+  HWY_ALIGN uint8_t over_rows[rows][chunk + 2 * block];  // differences summed over 3 rows, one column to either side
+  HWY_ALIGN uint8_t costs[4][rows][chunk];                // of the disparities that share a vector
+  HWY_ALIGN uint8_t turned[4][rows][block];
+};
+
+/// Code differences of disparity i, summed over 3 rows, for 16 rows and as many columns from x on as a vector has lanes: put(r, sums).
+template <class D, class Put>
+HWY_INLINE void sum_rows(D d, const Work& w, int i, int x, const Put& put) {
   const SemiGlobal& s = w.s;
-  const int lanes = static_cast<int>(hn::Lanes(d)), columns = w.columns;
-  const uint8_t *low = s.left_low.row(y) + s.first_column(), *high = s.left_high.row(y) + s.first_column();
-  uint8_t* line = w.line + 64;
-  for (int i = 0; i < w.n; ++i, out += w.stride) {
-    const ptrdiff_t there = s.first_column() - s.min_disparity - i;
-    const uint8_t *right_low = s.right_low.row(y) + there, *right_high = s.right_high.row(y) + there;
-    for (int x = 0; x < columns; x += lanes) {
-      const auto low_bits = hn::PopulationCount(hn::Xor(hn::LoadU(d, low + x), hn::LoadU(d, right_low + x)));
-      const auto high_bits = hn::PopulationCount(hn::Xor(hn::LoadU(d, high + x), hn::LoadU(d, right_high + x)));
-      hn::StoreU(hn::Add(low_bits, high_bits), d, line + x);
-    }
-    line[-1] = line[0];
-    line[columns] = line[columns - 1];
-    for (int x = 0; x < columns; x += lanes)
-      hn::StoreU(hn::Add(hn::Add(hn::LoadU(d, line + x - 1), hn::LoadU(d, line + x)), hn::LoadU(d, line + x + 1)), d, out + x);
+  const ptrdiff_t here = s.first_column() + x, there = here - s.min_disparity - i;
+  const uint8_t *left_low = s.left_low.data + here, *left_high = s.left_high.data + here;
+  const uint8_t *right_low = s.right_low.data + there, *right_high = s.right_high.data + there;
+  const ptrdiff_t left_stride = s.left_low.stride, right_stride = s.right_low.stride;
+  const auto difference = [&](int y) HWY_ATTR {
+    const ptrdiff_t left = y * left_stride, right = y * right_stride;
+    const auto low = hn::Xor(hn::LoadU(d, left_low + left), hn::LoadU(d, right_low + right));
+    const auto high = hn::Xor(hn::LoadU(d, left_high + left), hn::LoadU(d, right_high + right));
+    return hn::Add(hn::PopulationCount(low), hn::PopulationCount(high));
+  };
+  auto above = difference(std::max(w.first - 1, 0)), at = difference(w.first);
+  for (int r = 0; r < rows; ++r) {
+    const auto below = difference(std::min(w.first + r + 1, s.image.height - 1));
+    put(r, hn::Add(hn::Add(above, at), below));
+    above = at;
+    at = below;
   }
 }
 
-/// The costs of the 16 rows.
+/// The costs of disparity i in 16 rows and the columns [from, from + width): to the volume, and for turning.
 template <class D>
-HWY_INLINE void fill_costs(D d, const Work& w) {
-  const int lanes = static_cast<int>(hn::Lanes(d)), height = w.s.image.height;
-  for (int k = -1; k <= rows && w.first + k <= height; ++k) {
-    sum_row(d, w, std::clamp(w.first + k, 0, height - 1), w.across[(k + 1) % 3]);
-    if (k < 1) continue;
-    for (int i = 0; i < w.n; ++i) {
-      const uint8_t *a = w.across[0] + i * w.stride, *b = w.across[1] + i * w.stride, *c = w.across[2] + i * w.stride;
-      uint8_t* out = w.cost_rows[k - 1] + i * block;
-      for (int x = 0; x < w.blocks * block; x += lanes) {
-        const auto sum = hn::Add(hn::Add(hn::LoadU(d, a + x), hn::LoadU(d, b + x)), hn::LoadU(d, c + x));
-        hn::StoreU(hn::ShiftRight<2>(sum), d, out + x / block * (w.n * block) + x % block);
-      }
+HWY_INLINE void fill_costs(D d, const Work& w, int i, int from, int width, Chunk& c, uint8_t (*costs)[chunk]) {
+  const int lanes = static_cast<int>(hn::Lanes(d)), end = std::min(width, w.columns - from);
+  for (int x = 0; x < width; x += lanes)
+    sum_rows(d, w, i, from + x, [&](int r, const auto& sums) HWY_ATTR { hn::StoreU(sums, d, c.over_rows[r] + block + x); });
+  // Beyond the sides of the search stands what is at its borders.
+  sum_rows(d, w, i, from > 0 ? from - 1 : 0, [&](int r, const auto& sums) HWY_ATTR { c.over_rows[r][block - 1] = hn::GetLane(sums); });
+  sum_rows(d, w, i, std::min(from + end, w.columns - 1),
+           [&](int r, const auto& sums) HWY_ATTR { c.over_rows[r][block + end] = hn::GetLane(sums); });
+  for (int r = 0; r < rows; ++r) {
+    for (int x = 0; x < width; x += lanes) {
+      const uint8_t* sums = c.over_rows[r] + block + x;
+      const auto sum = hn::Add(hn::Add(hn::LoadU(d, sums - 1), hn::LoadU(d, sums + 1)), hn::LoadU(d, sums));
+      hn::StoreU(hn::ShiftRight<2>(sum), d, costs[r] + x);
     }
   }
 }
@@ -126,44 +125,68 @@ HWY_INLINE void quarter_turn(D d, V& a, V& b, V& c, V& e, V& f, V& g, V& h, V& i
   riffle(d, i2, q2, p, q);
 }
 
-/// from[r][lane] becomes to[lane % 16][r + lane / 16 * 16], for 16 rows; null rows of `to` are left out.
+/// from[r][lane] becomes to[lane % 16][r + lane / 16 * 16], for 16 rows `from_stride` and `to_stride` bytes apart.
 template <class D>
-HWY_INLINE void turn(D d, const uint8_t* const* from, ptrdiff_t from_at, uint8_t* const* to, ptrdiff_t to_at) {
-  const auto row = [&](int r) HWY_ATTR { return hn::LoadU(d, from[r] + from_at); };
+HWY_INLINE void turn(D d, const uint8_t* from, ptrdiff_t from_stride, uint8_t* to, ptrdiff_t to_stride) {
+  const auto row = [&](int r) HWY_ATTR { return hn::LoadU(d, from + r * from_stride); };
   auto a = row(0), b = row(1), c = row(2), e = row(3), f = row(4), g = row(5), h = row(6), i = row(7);
   auto j = row(8), k = row(9), l = row(10), m = row(11), n = row(12), o = row(13), p = row(14), q = row(15);
   quarter_turn(d, a, b, c, e, f, g, h, i, j, k, l, m, n, o, p, q);
   quarter_turn(d, a, b, c, e, f, g, h, i, j, k, l, m, n, o, p, q);
   quarter_turn(d, a, b, c, e, f, g, h, i, j, k, l, m, n, o, p, q);
   quarter_turn(d, a, b, c, e, f, g, h, i, j, k, l, m, n, o, p, q);
-  const auto put = [&](int r, const auto& v) HWY_ATTR {
-    if (to[r]) hn::StoreU(v, d, to[r] + to_at);
-  };
+  const auto put = [&](int r, const auto& v) HWY_ATTR { hn::StoreU(v, d, to + r * to_stride); };
   put(0, a), put(1, b), put(2, c), put(3, e), put(4, f), put(5, g), put(6, h), put(7, i);
   put(8, j), put(9, k), put(10, l), put(11, m), put(12, n), put(13, o), put(14, p), put(15, q);
 }
 
-/// All costs, or all sums back.
-template <bool back, class D>
-HWY_INLINE void turn_all(D d, const Work& w) {
+/// All costs: to the volume, and turned.
+template <class D>
+HWY_INLINE void make_costs(D d, const Work& w) {
   const hn::FixedTag<uint8_t, 16> d16;
   const int lanes = static_cast<int>(hn::Lanes(d)), groups = lanes / 16, steps = w.n / groups;
-  HWY_ALIGN uint8_t turned[rows * block];
-  uint8_t* turned_rows[rows];
-  for (int r = 0; r < rows; ++r) turned_rows[r] = turned + r * block;
-  for (int b = 0; b < w.blocks; ++b) {
-    for (int i = 0; i < w.n; ++i) {
-      // Disparity i of a column stands in lanes i / steps * 16 of vector i % steps.
-      uint8_t* column = (back ? w.sums : w.costs) + b * block * w.column_stride + (i % steps * groups + i / steps) * 16;
-      const ptrdiff_t at = b * block * w.n + i * block;
-      if (!back)
-        for (int x = 0; x < block; x += lanes) turn(d, w.cost_rows, at + x, turned_rows, x);
-      for (int x = 0; x < block; ++x) {
-        uint8_t *wide = column + x * w.column_stride, *narrow = turned + x % 16 * block + x / 16 * 16;
-        hn::StoreU(hn::LoadU(d16, back ? wide : narrow), d16, back ? narrow : wide);
+  Chunk c;
+  for (int from = 0; from < w.blocks * block; from += chunk) {
+    const int width = std::min(chunk, w.blocks * block - from);
+    for (int k = 0; k < steps; ++k) {
+      for (int g = 0; g < groups; ++g) fill_costs(d, w, g * steps + k, from, width, c, c.costs[g]);
+      for (int x = 0; x < width; x += block) {
+        for (int g = 0; g < groups; ++g) {
+          for (int lane = 0; lane < block; lane += lanes) turn(d, c.costs[g][0] + x + lane, chunk, c.turned[g][0] + lane, block);
+          for (int y = w.first; y <= w.last_row(); ++y) {
+            const uint8_t* in = c.costs[g][y - w.first] + x;
+            uint8_t* out = w.volume.costs(y, (from + x) / block) + (g * steps + k) * block;
+            for (int lane = 0; lane < block; lane += lanes) hn::StoreU(hn::LoadU(d, in + lane), d, out + lane);
+          }
+        }
+        uint8_t* out = w.costs + (from + x) * w.column_stride + k * lanes;
+        for (int column = 0; column < block; ++column, out += w.column_stride) {
+          for (int g = 0; g < groups; ++g)
+            hn::StoreU(hn::LoadU(d16, c.turned[g][column % 16] + column / 16 * 16), d16, out + g * 16);
+        }
       }
-      if (back)
-        for (int x = 0; x < block; x += lanes) turn(d, turned_rows, x, w.sum_rows, at + x);
+    }
+  }
+}
+
+/// The sums of a block back to the volume.
+template <class D>
+HWY_INLINE void turn_back(D d, const Work& w, int b) {
+  const hn::FixedTag<uint8_t, 16> d16;
+  const int lanes = static_cast<int>(hn::Lanes(d)), groups = lanes / 16, steps = w.n / groups;
+  HWY_ALIGN uint8_t turned[4][rows][block], sums[rows][block];
+  for (int k = 0; k < steps; ++k) {
+    const uint8_t* in = w.sums + b * block * w.column_stride + k * lanes;
+    for (int column = 0; column < block; ++column, in += w.column_stride) {
+      for (int g = 0; g < groups; ++g)
+        hn::StoreU(hn::LoadU(d16, in + g * 16), d16, turned[g][column % 16] + column / 16 * 16);
+    }
+    for (int g = 0; g < groups; ++g) {
+      for (int lane = 0; lane < block; lane += lanes) turn(d, turned[g][0] + lane, block, sums[0] + lane, block);
+      for (int y = w.first; y <= w.last_row(); ++y) {
+        uint8_t* out = w.volume.sums(y, b) + (g * steps + k) * block;
+        for (int lane = 0; lane < block; lane += lanes) hn::StoreU(hn::LoadU(d, sums[y - w.first] + lane), d, out + lane);
+      }
     }
   }
 }
@@ -171,7 +194,7 @@ HWY_INLINE void turn_all(D d, const Work& w) {
 /// For each column but the first what a jump from the column before costs, of 16 rows.
 HWY_INLINE void fill_jumps(const Work& w) {
   for (int r = 0; r < rows; ++r) {
-    const uint8_t* pixels = w.s.image.row(std::min(w.first + r, w.s.image.height - 1)) + w.s.first_column();
+    const uint8_t* pixels = w.s.image.row(std::min(w.first + r, w.last_row())) + w.s.first_column();
     for (int x = 1; x < w.columns; ++x) {
       const int step = pixels[x] > pixels[x - 1] ? pixels[x] - pixels[x - 1] : pixels[x - 1] - pixels[x];
       w.jumps[x * rows + r] = static_cast<uint8_t>(w.s.jump(step));
@@ -221,6 +244,7 @@ HWY_INLINE void path(D d, const Work& w) {
       here = above;
     }
     least = least_of_groups(d, next_least);
+    if (!from_left && x % block == 0) turn_back(d, w, x / block);
   }
 }
 
@@ -228,12 +252,10 @@ void paths_across(const SemiGlobal& s, int row, const SemiGlobalVolume& volume, 
   const hn::CappedTag<uint8_t, 64> d;
   const Work w(s, volume, row, memory);
   if (w.columns == 0) return;
-  fill_costs(d, w);
-  turn_all<false>(d, w);
+  make_costs(d, w);
   fill_jumps(w);
   path<true>(d, w);
   path<false>(d, w);
-  turn_all<true>(d, w);
 }
 #endif
 

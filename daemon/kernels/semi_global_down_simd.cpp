@@ -8,6 +8,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "daemon/kernels/semi_global_down_simd.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -62,7 +63,7 @@ struct Work {
 /// One step of one path for the columns from x on; `from` is where the pixel before stands in this one's row.
 template <bool diagonal, class D>
 HWY_INLINE void step(D d, const Work& w, int x, int from, const uint8_t* pixels, const uint8_t* pixels_before, int path, int before,
-                     const uint8_t* cost, uint8_t* sum) {
+                     const uint8_t* cost, uint8_t* sum, ptrdiff_t next) {
   const SemiGlobal& s = w.s;
   const auto most = hn::Set(d, uint8_t{255}), small = hn::Set(d, static_cast<uint8_t>(s.small));
   const auto here_pixel = hn::LoadU(d, pixels + x), there_pixel = hn::LoadU(d, pixels_before + from);
@@ -77,6 +78,8 @@ HWY_INLINE void step(D d, const Work& w, int x, int from, const uint8_t* pixels,
   uint8_t* state = w.states[path] + x;
   auto below = most, here = hn::LoadU(d, old), next_least = most;
   for (int i = 0; i < w.n; ++i, old += w.stride, state += w.stride, cost += block, sum += block) {
+    hwy::Prefetch(cost + next);
+    hwy::Prefetch(sum + next);
     const auto above = i + 1 < w.n ? hn::LoadU(d, old + w.stride) : most;
     auto way = hn::Min(hn::Min(here, jump), hn::SaturatedAdd(hn::Min(below, above), small));
     way = hn::SaturatedAdd(hn::Sub(way, least), hn::LoadU(d, cost));
@@ -96,6 +99,7 @@ HWY_INLINE void pass(D d, const Work& w, const SemiGlobalVolume& volume, int dy)
   w.begin();
   for (int k = 0; k < height; ++k) {
     const int y = dy < 0 ? k : height - 1 - k, now = k & 1;
+    const ptrdiff_t next = k + 1 < height ? -dy * static_cast<ptrdiff_t>(volume.stride()) : 0;
     uint8_t *pixels = w.pixels[now], *pixels_before = w.pixels[1 - now];
     w.fetch(y, pixels);
     if (k == 0) std::memcpy(pixels_before - 64, pixels - 64, static_cast<size_t>(w.stride));
@@ -104,9 +108,9 @@ HWY_INLINE void pass(D d, const Work& w, const SemiGlobalVolume& volume, int dy)
       const uint8_t* cost = volume.costs(y, b) + in_block;
       uint8_t* sum = volume.sums(y, b) + in_block;
       if (diagonals) {
-        for (int dx : {-1, 0, 1}) step<true>(d, w, x, x + dx, pixels, pixels_before, 2 * dx + 2 + now, 2 * dx + 3 - now, cost, sum);
+        for (int dx : {-1, 0, 1}) step<true>(d, w, x, x + dx, pixels, pixels_before, 2 * dx + 2 + now, 2 * dx + 3 - now, cost, sum, next);
       } else {
-        step<false>(d, w, x, x, pixels, pixels_before, 0, 0, cost, sum);
+        step<false>(d, w, x, x, pixels, pixels_before, 0, 0, cost, sum, next);
       }
     }
   }
