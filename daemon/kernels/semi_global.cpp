@@ -6,32 +6,31 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
-#include <new>
-#include <sys/mman.h>
 
 namespace vdisp::kernels {
 
-SemiGlobalVolume::SemiGlobalVolume(int width, int height, int disparities, int threads) : disparities_(disparities) {
-  blocks_ = (width + block - 1) / block;
+SemiGlobalVolume::SemiGlobalVolume(int width, int rows, int disparities, int paths, int threads) : disparities_(disparities), rows_(rows) {
+  const size_t blocks = static_cast<size_t>((width + block - 1) / block), columns = blocks * block, n = static_cast<size_t>(disparities);
   // 64: rows 4096 bytes apart would share the same few lines of a cache.
-  stride_ = static_cast<size_t>(blocks_) * block * disparities + 64;
-  // Step 1 holds three rows of sums across and twice the costs of its rows turned; step 2 two states a path; step 3 the sums of a block
-  // shifted against each other.
-  const size_t columns = static_cast<size_t>(blocks_) * block, plane = plane_bytes(blocks_, disparities);
-  const size_t across = 3 * plane + 2 * columns * across_stride(disparities) + columns * 32;
-  const size_t down = 6 * plane + 8 * columns;
-  work_bytes_ = (std::max(across, down) + static_cast<size_t>(disparities) * 600 + 65536) / 64 * 64;
-  const auto reserve = [this](size_t bytes) {
-    bytes_ += bytes;
-    bytes=(bytes+(1<<21)-1)>>21<<21; Memory memory(static_cast<uint8_t*>(::operator new[](bytes, std::align_val_t{1<<21})));
-    madvise(memory.get(), bytes, 14);
-    std::memset(memory.get(), 0, bytes);
-    return memory;
-  };
-  // 64: the vector forms read whole vectors.
-  costs_ = reserve(stride_ * static_cast<size_t>(height) + 64);
-  sums_ = reserve(stride_ * static_cast<size_t>(height) + 64);
+  stride_ = columns * n + 64;
+  // A byte for each column and disparity, and one for their least; of the diagonals two rows each.
+  state_bytes_ = (block + 128) * (n + 1);
+  const size_t states = paths == 8 ? 6 * (columns + 128) * (n + 1) : blocks * state_bytes_;
+  // Step 1 holds its rows' costs and sums turned; step 3 the sums of a block shifted against each other.
+  const size_t across = 2 * columns * column_stride(disparities) + columns * 32 + n * rows_across, winners = (n + 192) * n + columns + 512;
+  work_bytes_ = (std::max(across, winners) + 4096) / 64 * 64;
+  costs_ = reserve(stride_ * static_cast<size_t>(rows));
+  sums_ = reserve(stride_ * static_cast<size_t>(rows));
+  states_ = reserve(states + 8 * (columns + 192));
   work_ = reserve(work_bytes_ * static_cast<size_t>(threads));
+}
+
+SemiGlobalVolume::Memory SemiGlobalVolume::reserve(size_t bytes) {
+  bytes += 64;  // the vector forms read whole vectors
+  bytes_ += bytes;
+  Memory memory(static_cast<uint8_t*>(::operator new[](bytes, std::align_val_t{64})));
+  std::memset(memory.get(), 0, bytes);
+  return memory;
 }
 
 namespace plain {
@@ -116,27 +115,28 @@ void paths_across(const SemiGlobal& s, int first, const SemiGlobalVolume& volume
   }
 }
 
-void paths_down(const SemiGlobal& s, int first_block, int last_block, const SemiGlobalVolume& volume, uint8_t* work) {
-  const int n = s.disparities, height = s.image.height;
+void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up, const SemiGlobalVolume& volume) {
+  const int n = s.disparities, rows = last_row - first_row, dy = up ? 1 : -1;
   const int first = first_block * block, last = std::min(last_block * block, s.columns()), reach = s.paths == 8 ? 1 : 0;
   const ptrdiff_t row_bytes = static_cast<ptrdiff_t>(std::max(last - first, 0)) * n;
-  for (int dy : {-1, 1}) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      uint8_t *here = work, *before = work + row_bytes;
-      for (int k = 0; k < height; ++k, std::swap(here, before)) {
-        const int y = dy < 0 ? k : height - 1 - k;
-        for (int x = first; x < last; ++x) {
-          const bool begins = k == 0 || x + dx < 0 || x + dx >= s.columns();
-          const uint8_t* from = begins ? nullptr : before + static_cast<ptrdiff_t>(x + dx - first) * n;
-          step(s, at(volume.costs(y, 0), x, n, 0), from, begins ? 0 : jump_between(s, y, x, dx, dy),
-               here + static_cast<ptrdiff_t>(x - first) * n, at(volume.sums(y, 0), x, n, 0));
-        }
+  std::array<uint8_t, 256> before;
+  for (int dx = -reach; dx <= reach; ++dx) {
+    for (int k = 0; k < rows; ++k) {
+      const int y = up ? last_row - 1 - k : first_row + k;
+      // Of a diagonal rows take turns; straight down a pixel's state replaces that of the pixel before.
+      uint8_t* states = volume.states(first_block) + (reach ? (2 * dx + 2) * row_bytes : 0);
+      uint8_t *here = states + (reach ? y % 2 * row_bytes : 0), *there = states + (reach ? (y + 1) % 2 * row_bytes : 0);
+      for (int x = first; x < last; ++x) {
+        const bool begins = y + dy < 0 || y + dy >= s.image.height || x + dx < 0 || x + dx >= s.columns();
+        if (!begins) std::copy_n(there + static_cast<ptrdiff_t>(x + dx - first) * n, n, before.data());
+        step(s, at(volume.costs(y, 0), x, n, 0), begins ? nullptr : before.data(), begins ? 0 : jump_between(s, y, x, dx, dy),
+             here + static_cast<ptrdiff_t>(x - first) * n, at(volume.sums(y, 0), x, n, 0));
       }
     }
   }
 }
 
-void paths_row(const SemiGlobal& s, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
+void paths_row(const SemiGlobal& s, int row, bool, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
   const int n = s.disparities, columns = s.columns(), first = s.first_column();
   uint8_t *sums = volume.sums(row, 0), *right = work;  // numbered by i - x, as in match_row
   std::fill_n(right, columns + n, uint8_t{255});

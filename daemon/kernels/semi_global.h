@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
 
 #include "daemon/kernels/block_match.h"
 
@@ -21,7 +22,7 @@ using SparseCensus = void(View8 image, int first, int last, Plane<uint8_t> low, 
 struct SemiGlobal {
   int disparities = 64;   ///< multiple of 16, 16 .. 256
   int min_disparity = 0;  ///< px
-  int paths = 4;          ///< 4: across, down and up; 8: the diagonals too, and every path counts half
+  int paths = 3;          ///< 3: from the left, the right and above; 4: from below too; 8: the diagonals too, and every path counts half
   int small = 16;         ///< penalty of a step of 1 px
   int large = 140;        ///< of any other, less 2^slope for each grey level between the two pixels, but at least large_least
   int large_least = 27, slope = 2;
@@ -41,48 +42,54 @@ struct SemiGlobal {
 /// Bytes behind the end of the code planes' rows that are read, whatever they hold.
 inline constexpr int codes_margin = 64;
 
-/// Costs and sums of paths for one image, a byte each: of each row blocks of 64 columns, of each block the disparities one after the
-/// other, of each disparity 64 columns. Column 0 is the search's first.
+/// Costs and sums of paths, a byte each: of each row blocks of 64 columns, of each block the disparities one after the other, of each
+/// disparity 64 columns. Column 0 is the search's first. Of an image so many rows are held, the last ones written.
 class SemiGlobalVolume {
  public:
   static constexpr int block = 64, rows_across = 16;
 
   SemiGlobalVolume() = default;
-  /// For searches in images of this size. `threads`: how many calls may run at a time. Throws std::bad_alloc.
-  SemiGlobalVolume(int width, int height, int disparities, int threads);
+  /// For searches in images `width` wide. `rows`: how many are held, a multiple of rows_across; with paths from below or diagonals they
+  /// are all rows. `threads`: how many calls may run at a time. Throws std::bad_alloc.
+  SemiGlobalVolume(int width, int rows, int disparities, int paths, int threads);
 
   uint8_t* costs(int row, int b) const { return costs_.get() + at(row, b); }
   uint8_t* sums(int row, int b) const { return sums_.get() + at(row, b); }
-  int blocks() const { return blocks_; }
+  int rows() const { return rows_; }
   size_t stride() const { return stride_; }  ///< of rows
-  /// Work space of one call.
+  /// Where the paths from above or below have got to; the kernels' own.
+  uint8_t* states(int first_block) const { return states_.get() + static_cast<size_t>(first_block) * state_bytes_; }
+  /// Work space of one call; the kernels' own.
   uint8_t* work(int thread) const { return work_.get() + static_cast<size_t>(thread) * work_bytes_; }
   size_t bytes() const { return bytes_; }
 
-  /// Sizes of what the work space is divided into; the vector forms' own.
-  static size_t plane_bytes(int blocks, int disparities) { return static_cast<size_t>(blocks * block + 128) * disparities; }
-  static size_t across_stride(int disparities) { return static_cast<size_t>(rows_across * disparities + 64); }
+  /// Bytes from column to column where columns hold rows_across rows.
+  static size_t column_stride(int disparities) { return static_cast<size_t>(rows_across * disparities + 64); }
 
  private:
   struct Free {
-    void operator()(uint8_t* p) const { ::operator delete[](p, std::align_val_t{1 << 21}); }
+    void operator()(uint8_t* p) const { ::operator delete[](p, std::align_val_t{64}); }
   };
   using Memory = std::unique_ptr<uint8_t[], Free>;
-  size_t at(int row, int b) const { return static_cast<size_t>(row) * stride_ + static_cast<size_t>(b) * block * disparities_; }
+  Memory reserve(size_t bytes);
+  size_t at(int row, int b) const { return static_cast<size_t>(row % rows_) * stride_ + static_cast<size_t>(b) * block * disparities_; }
 
-  int disparities_ = 0, blocks_ = 0;
-  size_t stride_ = 0, work_bytes_ = 0, bytes_ = 0;
-  Memory costs_, sums_, work_;
+  int disparities_ = 0, rows_ = 0;
+  size_t stride_ = 0, state_bytes_ = 0, work_bytes_ = 0, bytes_ = 0;
+  Memory costs_, sums_, states_, work_;
 };
 
 /// Step 1: writes the costs of rows [row, row + rows_across) and, as their sums, the paths from the left and from the right. `row` is a
 /// multiple of rows_across. Such groups do not depend on each other. Columns behind the last are written, whatever they hold.
 using PathsAcross = void(const SemiGlobal& search, int row, const SemiGlobalVolume& volume, uint8_t* work);
-/// Step 2, when step 1 is done for all rows: adds the paths down and up. With 4 paths blocks [first, last) do not depend on the others;
-/// with 8 it is one call for all.
-using PathsDown = void(const SemiGlobal& search, int first_block, int last_block, const SemiGlobalVolume& volume, uint8_t* work);
+/// Step 2, for rows that are through step 1: adds the paths from above, or with `up` those from below. Calls go on where the last one for
+/// these blocks ended, from the first row to the last, or with `up` back from the last to the first. With 3 or 4 paths blocks
+/// [first_block, last_block) do not depend on the others, and are always called alike; with 8 it is one call for all.
+using PathsDown = void(const SemiGlobal& search, int first_block, int last_block, int first_row, int last_row, bool up,
+                       const SemiGlobalVolume& volume);
 /// Step 3: the candidates of one row from its sums, for columns [first_column, last_column), with the meaning they have in MatchRow.
-using PathsRow = void(const SemiGlobal& search, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out);
+/// Without `fresh` the last call with this work space was for a row of the same search.
+using PathsRow = void(const SemiGlobal& search, int row, bool fresh, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out);
 
 namespace plain {
 SparseCensus sparse_census;

@@ -38,7 +38,7 @@ struct Work {
         columns(search.columns()),
         blocks((columns + block - 1) / block),
         first(first_row),
-        column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::across_stride(n))) {
+        column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::column_stride(n))) {
     const auto take = [&memory](ptrdiff_t bytes) { return std::exchange(memory, memory + (bytes + 63) / 64 * 64); };
     costs = take(blocks * block * column_stride);
     sums = take(blocks * block * column_stride);

@@ -22,8 +22,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-void paths_down(const SemiGlobal& s, int first_block, int last_block, const SemiGlobalVolume& volume, uint8_t* work) {
-  plain::paths_down(s, first_block, last_block, volume, work);
+void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up, const SemiGlobalVolume& volume) {
+  plain::paths_down(s, first_block, last_block, first_row, last_row, up, volume);
 }
 #else
 
@@ -37,37 +37,33 @@ struct Work {
         first(first_block * block),
         columns(std::clamp(search.columns() - first, 0, (last_block - first_block) * block)),
         width((columns + block - 1) / block * block),
-        stride(width + 128) {
+        stride(width + 128),
+        count(search.paths == 8 ? 6 : 1) {
     const auto take = [&memory](ptrdiff_t bytes) { return std::exchange(memory, memory + bytes); };
-    for (uint8_t*& state : states) state = take(stride * n) + 64;
-    for (uint8_t*& row : least) row = take(stride) + 64;
-    for (uint8_t*& row : pixels) row = take(stride) + 64;
-  }
-  /// The left view's pixels, with those beside them where there are any.
-  void fetch(int y, uint8_t* out) const {
-    const int left = first > 0 ? 1 : 0, right = first + columns < s.columns() ? 1 : 0;
-    std::memcpy(out - left, s.image.row(y) + s.first_column() + first - left, static_cast<size_t>(columns + left + right));
+    for (int i = 0; i < count; ++i) {
+      states[i] = take(stride * n) + 64;
+      least[i] = take(stride) + 64;
+    }
   }
   /// Nothing has come along any path.
   void begin() const {
-    for (uint8_t* state : states) std::memset(state - 64, 0, static_cast<size_t>(stride * n));
-    for (uint8_t* row : least) std::memset(row - 64, 0, static_cast<size_t>(stride));
+    for (int i = 0; i < count; ++i) std::memset(states[i] - 64, 0, static_cast<size_t>(stride * (n + 1)));
   }
 
   const SemiGlobal& s;
   int n, first, columns, width;
   ptrdiff_t stride;
-  uint8_t *states[6], *least[6], *pixels[2];  // of each path those of the row before and of this one
+  int count;
+  uint8_t *states[6], *least[6];  // of each diagonal those of the row before and of this one, by turns
 };
 
 /// One step of one path for the columns from x on; `from` is where the pixel before stands in this one's row.
-template <bool diagonal, class D>
-HWY_INLINE void step(D d, const Work& w, int x, int from, const uint8_t* pixels, const uint8_t* pixels_before, int path, int before,
-                     const uint8_t* cost, uint8_t* sum, ptrdiff_t next) {
+template <bool diagonal, class D, class V>
+HWY_INLINE void step(D d, const Work& w, int x, int from, V pixels, V pixels_before, int path, int before, const uint8_t* cost,
+                     uint8_t* sum, ptrdiff_t next) {
   const SemiGlobal& s = w.s;
   const auto most = hn::Set(d, uint8_t{255}), small = hn::Set(d, static_cast<uint8_t>(s.small));
-  const auto here_pixel = hn::LoadU(d, pixels + x), there_pixel = hn::LoadU(d, pixels_before + from);
-  auto grey_step = hn::Or(hn::SaturatedSub(here_pixel, there_pixel), hn::SaturatedSub(there_pixel, here_pixel));
+  auto grey_step = hn::Or(hn::SaturatedSub(pixels, pixels_before), hn::SaturatedSub(pixels_before, pixels));
   for (int k = 0; k < s.slope; ++k) grey_step = hn::SaturatedAdd(grey_step, grey_step);
   const auto penalty =
       hn::Max(hn::SaturatedSub(hn::Set(d, static_cast<uint8_t>(s.large)), grey_step), hn::Set(d, static_cast<uint8_t>(s.large_least)));
@@ -93,38 +89,48 @@ HWY_INLINE void step(D d, const Work& w, int x, int from, const uint8_t* pixels,
   hn::StoreU(next_least, d, w.least[path] + x);
 }
 
+/// Pixels of the left view from x on; behind the last column it repeats.
+template <class D>
+HWY_INLINE hn::Vec<D> pixels_at(D d, const Work& w, int y, int x) {
+  const int lanes = static_cast<int>(hn::Lanes(d)), column = w.s.first_column() + w.first + x;
+  const uint8_t* row = w.s.image.row(y);
+  if (column >= 0 && column + lanes <= w.s.image.width) return hn::LoadU(d, row + column);
+  HWY_ALIGN uint8_t pixels[block];
+  for (int i = 0; i < lanes; ++i) pixels[i] = row[std::clamp(column + i, 0, w.s.image.width - 1)];
+  return hn::LoadU(d, pixels);
+}
+
+/// All paths of one row.
 template <bool diagonals, class D>
-HWY_INLINE void pass(D d, const Work& w, const SemiGlobalVolume& volume, int dy) {
-  const int lanes = static_cast<int>(hn::Lanes(d)), height = w.s.image.height;
-  w.begin();
-  for (int k = 0; k < height; ++k) {
-    const int y = dy < 0 ? k : height - 1 - k, now = k & 1;
-    const ptrdiff_t next = k + 1 < height ? -dy * static_cast<ptrdiff_t>(volume.stride()) : 0;
-    uint8_t *pixels = w.pixels[now], *pixels_before = w.pixels[1 - now];
-    w.fetch(y, pixels);
-    if (k == 0) std::memcpy(pixels_before - 64, pixels - 64, static_cast<size_t>(w.stride));
-    for (int x = 0; x < w.width; x += lanes) {
-      const int b = (w.first + x) / block, in_block = x % block;
-      const uint8_t* cost = volume.costs(y, b) + in_block;
-      uint8_t* sum = volume.sums(y, b) + in_block;
-      if (diagonals) {
-        for (int dx : {-1, 0, 1}) step<true>(d, w, x, x + dx, pixels, pixels_before, 2 * dx + 2 + now, 2 * dx + 3 - now, cost, sum, next);
-      } else {
-        step<false>(d, w, x, x, pixels, pixels_before, 0, 0, cost, sum, next);
-      }
+HWY_INLINE void row_of(D d, const Work& w, const SemiGlobalVolume& volume, int y, int before, ptrdiff_t next) {
+  const int lanes = static_cast<int>(hn::Lanes(d)), now = y & 1;
+  for (int x = 0; x < w.width; x += lanes) {
+    const int b = (w.first + x) / block, in_block = x % block;
+    const uint8_t* cost = volume.costs(y, b) + in_block;
+    uint8_t* sum = volume.sums(y, b) + in_block;
+    const auto pixels = pixels_at(d, w, y, x);
+    if (diagonals) {
+      for (int dx : {-1, 0, 1})
+        step<true>(d, w, x, x + dx, pixels, pixels_at(d, w, before, x + dx), 2 * dx + 2 + now, 2 * dx + 3 - now, cost, sum, next);
+    } else {
+      step<false>(d, w, x, x, pixels, pixels_at(d, w, before, x), 0, 0, cost, sum, next);
     }
   }
 }
 
-void paths_down(const SemiGlobal& s, int first_block, int last_block, const SemiGlobalVolume& volume, uint8_t* memory) {
+void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up, const SemiGlobalVolume& volume) {
   const hn::CappedTag<uint8_t, 64> d;
-  const Work w(s, first_block, last_block, memory);
+  const Work w(s, first_block, last_block, volume.states(first_block));
   if (w.columns == 0) return;
-  for (int dy : {-1, 1}) {
+  if (up ? last_row == s.image.height : first_row == 0) w.begin();
+  for (int k = 0; k < last_row - first_row; ++k) {
+    const int y = up ? last_row - 1 - k : first_row + k, before = std::clamp(up ? y + 1 : y - 1, 0, s.image.height - 1);
+    // Where the next row stands, if it is not held where this one is.
+    const ptrdiff_t next = volume.costs(std::clamp(up ? y - 1 : y + 1, 0, s.image.height - 1), 0) - volume.costs(y, 0);
     if (s.paths == 8) {
-      pass<true>(d, w, volume, dy);
+      row_of<true>(d, w, volume, y, before, next);
     } else {
-      pass<false>(d, w, volume, dy);
+      row_of<false>(d, w, volume, y, before, next);
     }
   }
 }

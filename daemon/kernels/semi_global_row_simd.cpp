@@ -20,8 +20,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-void paths_row(const SemiGlobal& s, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
-  plain::paths_row(s, row, volume, work, out);
+void paths_row(const SemiGlobal& s, int row, bool fresh, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
+  plain::paths_row(s, row, fresh, volume, work, out);
 }
 #else
 
@@ -29,9 +29,9 @@ constexpr int block = SemiGlobalVolume::block;
 
 int more(int cost, int factor) { return std::min(cost + (cost * factor >> 16), 255); }
 
-/// The best of each pixel of a block, and whether it has a rival.
+/// The best of each pixel of a block, the sums beside it, and whether it has a rival.
 struct Winners {
-  HWY_ALIGN uint8_t index[block], cost[block], refused[block];
+  HWY_ALIGN uint8_t index[block], cost[block], before[block], after[block], refused[block];
 };
 
 /// Costs with the part `factor` of them added.
@@ -56,25 +56,33 @@ HWY_INLINE void find_winners(D d, const SemiGlobal& s, const uint8_t* sums, int 
   for (int x = 0; x < block; x += lanes) {
     const auto lane = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<uint8_t>(x)));
     const auto none = hn::Not(hn::VecFromMask(d, hn::Lt(lane, hn::Set(d, static_cast<uint8_t>(valid)))));
-    auto least = hn::LoadU(d, sums + x), best = hn::Zero(d), i_now = hn::Zero(d);
-    for (int i = 0; i < n; ++i) {
+    auto least = hn::LoadU(d, sums + x), best = hn::Zero(d), i_now = hn::Zero(d), before = hn::LoadU(d, sums + block + x);
+    hn::StoreU(hn::Or(least, none), d, shifted + x + n - 1);
+    // What costs least more than 1 px from the best: all up to two before it, and all from two behind it on.
+    auto rival = most, two_before = most, one_before = most, last = least, after = most;
+    auto was_best = hn::Eq(i_now, i_now);
+    for (int i = 1; i < n; ++i) {
       const auto sum = hn::LoadU(d, sums + i * block + x);
       hn::StoreU(hn::Or(sum, none), d, shifted + i * stride + x + n - 1 - i);
-      best = hn::IfThenElse(hn::Lt(sum, least), i_now, best);
+      i_now = hn::Add(i_now, one);
+      after = hn::IfThenElse(was_best, sum, after);
+      rival = hn::IfThenElse(was_best, rival, hn::Min(rival, sum));
+      two_before = one_before;                 // least of 0 .. i - 2
+      one_before = hn::Min(one_before, last);  // least of 0 .. i - 1
+      const auto is_best = hn::Lt(sum, least);
+      rival = hn::IfThenElse(is_best, two_before, rival);
+      before = hn::IfThenElse(is_best, last, before);
+      best = hn::IfThenElse(is_best, i_now, best);
       least = hn::Min(least, sum);
-      i_now = hn::Add(i_now, one);
+      was_best = is_best;
+      last = sum;
     }
-    auto rival = most;
-    i_now = hn::Zero(d);
-    for (int i = 0; s.unique > 0 && i < n; ++i) {
-      const auto distance = hn::Or(hn::SaturatedSub(i_now, best), hn::SaturatedSub(best, i_now));
-      const auto near = hn::VecFromMask(d, hn::Eq(hn::Min(distance, one), distance));
-      rival = hn::Min(rival, hn::Or(hn::LoadU(d, sums + i * block + x), near));
-      i_now = hn::Add(i_now, one);
-    }
+    after = hn::IfThenElse(was_best, before, after);
     const auto rivalled = hn::VecFromMask(d, hn::Eq(hn::Min(rival, with_more(d, least, s.unique)), rival));
     hn::StoreU(best, d, out.index + x);
     hn::StoreU(least, d, out.cost + x);
+    hn::StoreU(before, d, out.before + x);
+    hn::StoreU(after, d, out.after + x);
     hn::StoreU(s.unique > 0 ? hn::And(rivalled, one) : hn::Zero(d), d, out.refused + x);
   }
 }
@@ -90,28 +98,38 @@ HWY_INLINE void take_least(D d, const uint8_t* shifted, ptrdiff_t stride, int n,
   }
 }
 
-void paths_row(const SemiGlobal& s, int row, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
+/// Copies a block's bytes to 16 bits.
+template <class D>
+HWY_INLINE void widen(D d16, const uint8_t* from, int count, uint16_t* to) {
+  const hn::Rebind<uint8_t, D> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d16));
+  int x = 0;
+  for (; x + lanes <= count; x += lanes) hn::StoreU(hn::PromoteTo(d16, hn::LoadU(d8, from + x)), d16, to + x);
+  for (; x < count; ++x) to[x] = from[x];
+}
+
+void paths_row(const SemiGlobal& s, int row, bool fresh, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out) {
   const hn::CappedTag<uint8_t, 64> d;
+  const hn::CappedTag<uint16_t, 32> d16;
   const int n = s.disparities, columns = s.columns(), first = s.first_column(), blocks = (columns + block - 1) / block;
   const ptrdiff_t stride = (block + n + 63) / 64 * 64 + 64;
   uint8_t *shifted = work, *right = work + stride * n;
-  std::memset(work, 255, static_cast<size_t>(stride * n + blocks * block + n + block));
-  const auto at = [&](int x, int i) { return volume.sums(row, x / block)[i * block + x % block]; };
+  // Each row writes the same places of it.
+  if (fresh) std::memset(shifted, 255, static_cast<size_t>(stride * n));
+  std::memset(right, 255, static_cast<size_t>(blocks * block + n + block));
   Winners winners;
   for (int b = 0; b < blocks; ++b) {
-    const uint8_t* sums = volume.sums(row, b);
-    const int valid = std::min(columns - b * block, block);
-    find_winners(d, s, sums, valid, shifted, stride, winners);
+    const int valid = std::min(columns - b * block, block), x = first + b * block;
+    find_winners(d, s, volume.sums(row, b), valid, shifted, stride, winners);
     take_least(d, shifted, stride, n, right + b * block);
-    for (int k = 0; k < valid; ++k) {
-      const int x = first + b * block + k, i = winners.index[k];
-      out.index[x] = static_cast<uint16_t>(i);
-      out.cost[x] = winners.cost[k];
-      out.before[x] = sums[(i > 0 ? i - 1 : i + 1) * block + k];
-      out.after[x] = sums[(i + 1 < n ? i + 1 : i - 1) * block + k];
-      out.refused[x] = winners.refused[k];
-    }
+    widen(d16, winners.index, valid, out.index + x);
+    widen(d16, winners.cost, valid, out.cost + x);
+    widen(d16, winners.before, valid, out.before + x);
+    widen(d16, winners.after, valid, out.after + x);
+    widen(d16, winners.refused, valid, out.refused + x);
   }
+  const uint8_t* sums = volume.sums(row, 0);
+  const auto at = [sums, n](int x, int i) { return sums[(static_cast<ptrdiff_t>(x / block) * n + i) * block + x % block]; };
   for (int x = 0; x < columns; ++x) {
     const int i = out.index[first + x];
     int match = out.cost[first + x];
