@@ -140,10 +140,32 @@ HWY_INLINE void turn(D d, const uint8_t* from, ptrdiff_t from_stride, uint8_t* t
   put(8, j), put(9, k), put(10, l), put(11, m), put(12, n), put(13, o), put(14, p), put(15, q);
 }
 
+/// Blocks of 16 bytes: block j of in + i * in_stride becomes block i of out + j * out_stride, for as many as a vector has. It is its own
+/// inverse.
+template <class D>
+HWY_INLINE void turn_blocks(D d, const uint8_t* in, ptrdiff_t in_stride, uint8_t* out, ptrdiff_t out_stride) {
+  const int groups = static_cast<int>(hn::Lanes(d)) / 16;
+  if (groups == 4) {
+    const auto a = hn::LoadU(d, in), b = hn::LoadU(d, in + in_stride);
+    const auto c = hn::LoadU(d, in + 2 * in_stride), e = hn::LoadU(d, in + 3 * in_stride);
+    const auto ab_even = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a), ab_odd = hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a));
+    const auto ce_even = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(e), c), ce_odd = hn::OddEvenBlocks(e, hn::SwapAdjacentBlocks(c));
+    hn::StoreU(hn::ConcatLowerLower(d, ce_even, ab_even), d, out);
+    hn::StoreU(hn::ConcatLowerLower(d, ce_odd, ab_odd), d, out + out_stride);
+    hn::StoreU(hn::ConcatUpperUpper(d, ce_even, ab_even), d, out + 2 * out_stride);
+    hn::StoreU(hn::ConcatUpperUpper(d, ce_odd, ab_odd), d, out + 3 * out_stride);
+  } else if (groups == 2) {
+    const auto a = hn::LoadU(d, in), b = hn::LoadU(d, in + in_stride);
+    hn::StoreU(hn::ConcatLowerLower(d, b, a), d, out);
+    hn::StoreU(hn::ConcatUpperUpper(d, b, a), d, out + out_stride);
+  } else {
+    hn::StoreU(hn::LoadU(d, in), d, out);
+  }
+}
+
 /// All costs: to the volume, and turned.
 template <class D>
 HWY_INLINE void make_costs(D d, const Work& w) {
-  const hn::FixedTag<uint8_t, 16> d16;
   const int lanes = static_cast<int>(hn::Lanes(d)), groups = lanes / 16, steps = w.n / groups;
   Chunk c;
   for (int from = 0; from < w.blocks * block; from += chunk) {
@@ -160,10 +182,9 @@ HWY_INLINE void make_costs(D d, const Work& w) {
           }
         }
         uint8_t* out = w.costs + (from + x) * w.column_stride + k * lanes;
-        for (int column = 0; column < block; ++column, out += w.column_stride) {
-          for (int g = 0; g < groups; ++g)
-            hn::StoreU(hn::LoadU(d16, c.turned[g][column % 16] + column / 16 * 16), d16, out + g * 16);
-        }
+        for (int lane = 0; lane < block; lane += lanes)
+          for (int column = 0; column < 16; ++column)
+            turn_blocks(d, c.turned[0][column] + lane, rows * block, out + (lane + column) * w.column_stride, 16 * w.column_stride);
       }
     }
   }
@@ -172,15 +193,13 @@ HWY_INLINE void make_costs(D d, const Work& w) {
 /// The sums of a block back to the volume.
 template <class D>
 HWY_INLINE void turn_back(D d, const Work& w, int b) {
-  const hn::FixedTag<uint8_t, 16> d16;
   const int lanes = static_cast<int>(hn::Lanes(d)), groups = lanes / 16, steps = w.n / groups;
   HWY_ALIGN uint8_t turned[4][rows][block], sums[rows][block];
   for (int k = 0; k < steps; ++k) {
     const uint8_t* in = w.sums + b * block * w.column_stride + k * lanes;
-    for (int column = 0; column < block; ++column, in += w.column_stride) {
-      for (int g = 0; g < groups; ++g)
-        hn::StoreU(hn::LoadU(d16, in + g * 16), d16, turned[g][column % 16] + column / 16 * 16);
-    }
+    for (int lane = 0; lane < block; lane += lanes)
+      for (int column = 0; column < 16; ++column)
+        turn_blocks(d, in + (lane + column) * w.column_stride, 16 * w.column_stride, turned[0][column] + lane, rows * block);
     for (int g = 0; g < groups; ++g) {
       for (int lane = 0; lane < block; lane += lanes) turn(d, turned[g][0] + lane, block, sums[0] + lane, block);
       for (int y = w.first; y <= w.last_row(); ++y) {
