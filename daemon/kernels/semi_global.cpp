@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/kernels/semi_global.h"
 
+#include <sys/mman.h>
+
 #include <array>
 #include <bit>
 #include <cstdlib>
@@ -26,9 +28,11 @@ SemiGlobalVolume::SemiGlobalVolume(int width, int rows, int disparities, int pat
 }
 
 SemiGlobalVolume::Memory SemiGlobalVolume::reserve(size_t bytes) {
-  bytes += 64;  // the vector forms read whole vectors
+  bytes = (bytes + 64 + page - 1) / page * page;  // 64: the vector forms read whole vectors
   bytes_ += bytes;
-  Memory memory(static_cast<uint8_t*>(::operator new[](bytes, std::align_val_t{64})));
+  Memory memory(static_cast<uint8_t*>(::operator new[](bytes, std::align_val_t{page})));
+  // Large pages, where the system has them to give: columns are turned all over this memory.
+  madvise(memory.get(), bytes, MADV_HUGEPAGE);
   std::memset(memory.get(), 0, bytes);
   return memory;
 }

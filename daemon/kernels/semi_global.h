@@ -67,8 +67,9 @@ class SemiGlobalVolume {
   static size_t column_stride(int disparities) { return static_cast<size_t>(rows_across * disparities + 64); }
 
  private:
+  static constexpr size_t page = 2 << 20;
   struct Free {
-    void operator()(uint8_t* p) const { ::operator delete[](p, std::align_val_t{64}); }
+    void operator()(uint8_t* p) const { ::operator delete[](p, std::align_val_t{page}); }
   };
   using Memory = std::unique_ptr<uint8_t[], Free>;
   Memory reserve(size_t bytes);
