@@ -11,19 +11,19 @@
 
 namespace vdisp::kernels {
 
-SemiGlobalVolume::SemiGlobalVolume(int width, int rows, int disparities, int paths, int threads) : disparities_(disparities), rows_(rows) {
-  const size_t blocks = static_cast<size_t>((width + block - 1) / block), columns = blocks * block, n = static_cast<size_t>(disparities);
-  // 64: rows 4096 bytes apart would share the same few lines of a cache.
-  stride_ = columns * n + 64;
+SemiGlobalVolume::SemiGlobalVolume(int width, int rows, int disparities, int paths, int threads)
+    : disparities_(disparities), rows_(rows), blocks_((width + block - 1) / block) {
+  const size_t columns = static_cast<size_t>(blocks_) * block, n = static_cast<size_t>(disparities);
   // A byte for each column and disparity, and one for their least; of the diagonals two rows each.
   state_bytes_ = (block + 128) * (n + 1);
-  const size_t states = paths == 8 ? 6 * (columns + 128) * (n + 1) : blocks * state_bytes_;
-  // Step 1 holds its rows' costs and sums turned; step 3 the sums of a block shifted against each other.
-  const size_t across = 2 * columns * column_stride(disparities) + columns * 32 + n * rows_across, winners = (n + 192) * n + columns + 512;
+  const size_t states = paths == 8 ? 6 * (columns + 128) * (n + 1) : static_cast<size_t>(blocks_) * state_bytes_;
+  // Step 1 holds its rows' sums turned; step 3 the sums of a block shifted against each other.
+  const size_t across = columns * (column_bytes(disparities) + 32) + 3 * n * rows_across, winners = (n + 192) * n + columns + 512;
   work_bytes_ = (std::max(across, winners) + 4096) / 64 * 64;
-  costs_ = reserve(stride_ * static_cast<size_t>(rows));
-  sums_ = reserve(stride_ * static_cast<size_t>(rows));
-  states_ = reserve(states + 8 * (columns + 192));
+  const size_t volume = static_cast<size_t>(rows / rows_across) * static_cast<size_t>(blocks_) * block_bytes();
+  costs_ = reserve(volume);
+  sums_ = reserve(volume);
+  states_ = reserve(states);
   work_ = reserve(work_bytes_ * static_cast<size_t>(threads));
 }
 
@@ -46,8 +46,9 @@ constexpr int block = SemiGlobalVolume::block;
 constexpr std::array<std::array<int, 2>, 16> pairs{{{1, 0}, {2, 0}, {3, 0}, {4, 0}, {-2, 1}, {0, 1}, {2, 1}, {-3, 1},
                                                     {3, 1}, {-1, 2}, {1, 2}, {0, 2}, {-3, 2}, {3, 2}, {-1, 3}, {1, 3}}};
 
-uint8_t* at(uint8_t* row, int column, int disparities, int i) {
-  return row + static_cast<ptrdiff_t>(column / block) * block * disparities + i * block + column % block;
+/// One disparity of one pixel in a row of the volume.
+uint8_t* at(uint8_t* row, const SemiGlobalVolume& volume, int column, int i) {
+  return row + static_cast<ptrdiff_t>(volume.block_bytes()) * (column / block) + i * block + column % block;
 }
 
 int code_cost(const SemiGlobal& s, int row, int column, int i) {
@@ -106,15 +107,15 @@ void paths_across(const SemiGlobal& s, int first, const SemiGlobalVolume& volume
         int cost = 0;
         for (int v = y - 1; v <= y + 1; ++v)
           for (int u = x - 1; u <= x + 1; ++u) cost += code_cost(s, v, u, i);
-        *at(costs, x, n, i) = static_cast<uint8_t>(cost / 4);
-        *at(sums, x, n, i) = 0;
+        *at(costs, volume, x, i) = static_cast<uint8_t>(cost / 4);
+        *at(sums, volume, x, i) = 0;
       }
     }
     for (int x = 0; x < columns; ++x, std::swap(here, before))
-      step(s, at(costs, x, n, 0), x > 0 ? before : nullptr, x > 0 ? jump_between(s, y, x, -1, 0) : 0, here, at(sums, x, n, 0));
+      step(s, at(costs, volume, x, 0), x > 0 ? before : nullptr, x > 0 ? jump_between(s, y, x, -1, 0) : 0, here, at(sums, volume, x, 0));
     for (int x = columns - 1; x >= 0; --x, std::swap(here, before)) {
       const bool begins = x + 1 == columns;
-      step(s, at(costs, x, n, 0), begins ? nullptr : before, begins ? 0 : jump_between(s, y, x, 1, 0), here, at(sums, x, n, 0));
+      step(s, at(costs, volume, x, 0), begins ? nullptr : before, begins ? 0 : jump_between(s, y, x, 1, 0), here, at(sums, volume, x, 0));
     }
   }
 }
@@ -133,8 +134,8 @@ void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_
       for (int x = first; x < last; ++x) {
         const bool begins = y + dy < 0 || y + dy >= s.image.height || x + dx < 0 || x + dx >= s.columns();
         if (!begins) std::copy_n(there + static_cast<ptrdiff_t>(x + dx - first) * n, n, before.data());
-        step(s, at(volume.costs(y, 0), x, n, 0), begins ? nullptr : before.data(), begins ? 0 : jump_between(s, y, x, dx, dy),
-             here + static_cast<ptrdiff_t>(x - first) * n, at(volume.sums(y, 0), x, n, 0));
+        step(s, at(volume.costs(y, 0), volume, x, 0), begins ? nullptr : before.data(), begins ? 0 : jump_between(s, y, x, dx, dy),
+             here + static_cast<ptrdiff_t>(x - first) * n, at(volume.sums(y, 0), volume, x, 0));
       }
     }
   }
@@ -148,23 +149,23 @@ void paths_row(const SemiGlobal& s, int row, bool, const SemiGlobalVolume& volum
     int best = 0;
     for (int i = 0; i < n; ++i) {
       uint8_t& least = right[columns - 1 - x + i];
-      least = std::min(least, *at(sums, x, n, i));
-      if (*at(sums, x, n, i) < *at(sums, x, n, best)) best = i;
+      least = std::min(least, *at(sums, volume, x, i));
+      if (*at(sums, volume, x, i) < *at(sums, volume, x, best)) best = i;
     }
-    const int cost = *at(sums, x, n, best);
+    const int cost = *at(sums, volume, x, best);
     out.index[first + x] = static_cast<uint16_t>(best);
     out.cost[first + x] = static_cast<uint16_t>(cost);
-    out.before[first + x] = *at(sums, x, n, best > 0 ? best - 1 : best + 1);
-    out.after[first + x] = *at(sums, x, n, best + 1 < n ? best + 1 : best - 1);
+    out.before[first + x] = *at(sums, volume, x, best > 0 ? best - 1 : best + 1);
+    out.after[first + x] = *at(sums, volume, x, best + 1 < n ? best + 1 : best - 1);
     out.refused[first + x] = 0;
     for (int i = 0; s.unique > 0 && i < n; ++i)
-      if (std::abs(i - best) > 1 && *at(sums, x, n, i) <= more(cost, s.unique)) out.refused[first + x] = candidate_not_unique;
+      if (std::abs(i - best) > 1 && *at(sums, volume, x, i) <= more(cost, s.unique)) out.refused[first + x] = candidate_not_unique;
   }
   for (int x = 0; x < columns; ++x) {
     const int i = out.index[first + x];
     int match = out.cost[first + x];
-    if (x > 0 && i > 0) match = std::min<int>(match, *at(sums, x - 1, n, i - 1));
-    if (x + 1 < columns && i + 1 < n) match = std::min<int>(match, *at(sums, x + 1, n, i + 1));
+    if (x > 0 && i > 0) match = std::min<int>(match, *at(sums, volume, x - 1, i - 1));
+    if (x + 1 < columns && i + 1 < n) match = std::min<int>(match, *at(sums, volume, x + 1, i + 1));
     if (more(right[columns - 1 - x + i], s.left_right) < match) out.refused[first + x] |= candidate_left_right;
   }
 }

@@ -42,8 +42,9 @@ struct SemiGlobal {
 /// Bytes behind the end of the code planes' rows that are read, whatever they hold.
 inline constexpr int codes_margin = 64;
 
-/// Costs and sums of paths, a byte each: of each row blocks of 64 columns, of each block the disparities one after the other, of each
-/// disparity 64 columns. Column 0 is the search's first. Of an image so many rows are held, the last ones written.
+/// Costs and sums of paths, a byte each: of each group of rows_across rows blocks of 64 columns, of each block the rows, of each row the
+/// disparities one after the other, of each disparity 64 columns. Column 0 is the search's first. Of an image so many rows are held, the
+/// last ones written.
 class SemiGlobalVolume {
  public:
   static constexpr int block = 64, rows_across = 16;
@@ -56,15 +57,15 @@ class SemiGlobalVolume {
   uint8_t* costs(int row, int b) const { return costs_.get() + at(row, b); }
   uint8_t* sums(int row, int b) const { return sums_.get() + at(row, b); }
   int rows() const { return rows_; }
-  size_t stride() const { return stride_; }  ///< of rows
+  size_t block_bytes() const { return block * column_bytes(disparities_); }  ///< from block to block of a row
   /// Where the paths from above or below have got to; the kernels' own.
   uint8_t* states(int first_block) const { return states_.get() + static_cast<size_t>(first_block) * state_bytes_; }
   /// Work space of one call; the kernels' own.
   uint8_t* work(int thread) const { return work_.get() + static_cast<size_t>(thread) * work_bytes_; }
   size_t bytes() const { return bytes_; }
 
-  /// Bytes from column to column where columns hold rows_across rows.
-  static size_t column_stride(int disparities) { return static_cast<size_t>(rows_across * disparities + 64); }
+  /// Bytes of a column of rows_across rows. 64 more than needed: what is 4096 bytes apart would share the same few lines of a cache.
+  static size_t column_bytes(int disparities) { return static_cast<size_t>(rows_across * disparities + 64); }
 
  private:
   static constexpr size_t page = 2 << 20;
@@ -73,15 +74,19 @@ class SemiGlobalVolume {
   };
   using Memory = std::unique_ptr<uint8_t[], Free>;
   Memory reserve(size_t bytes);
-  size_t at(int row, int b) const { return static_cast<size_t>(row % rows_) * stride_ + static_cast<size_t>(b) * block * disparities_; }
+  size_t at(int row, int b) const {
+    const size_t group = static_cast<size_t>(row % rows_ / rows_across), row_bytes = static_cast<size_t>(block * disparities_ + 64);
+    return (group * static_cast<size_t>(blocks_) + static_cast<size_t>(b)) * block_bytes() + static_cast<size_t>(row % rows_across) * row_bytes;
+  }
 
-  int disparities_ = 0, rows_ = 0;
-  size_t stride_ = 0, state_bytes_ = 0, work_bytes_ = 0, bytes_ = 0;
+  int disparities_ = 0, rows_ = 0, blocks_ = 0;
+  size_t state_bytes_ = 0, work_bytes_ = 0, bytes_ = 0;
   Memory costs_, sums_, states_, work_;
 };
 
 /// Step 1: writes the costs of rows [row, row + rows_across) and, as their sums, the paths from the left and from the right. `row` is a
-/// multiple of rows_across. Such groups do not depend on each other. Columns behind the last are written, whatever they hold.
+/// multiple of rows_across. Such groups do not depend on each other. All the group's costs and sums are written over, also behind the last
+/// column.
 using PathsAcross = void(const SemiGlobal& search, int row, const SemiGlobalVolume& volume, uint8_t* work);
 /// Step 2, for rows that are through step 1: adds the paths from above, or with `up` those from below. Calls go on where the last one for
 /// these blocks ended, from the first row to the last, or with `up` back from the last to the first. With 3 or 4 paths blocks

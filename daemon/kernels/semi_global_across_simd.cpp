@@ -38,9 +38,10 @@ struct Work {
         columns(search.columns()),
         blocks((columns + block - 1) / block),
         first(first_row),
-        column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::column_stride(n))) {
+        column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::column_bytes(n))) {
     const auto take = [&memory](ptrdiff_t bytes) { return std::exchange(memory, memory + (bytes + 63) / 64 * 64); };
-    costs = take(blocks * block * column_stride);
+    costs = volume.sums(first, 0);
+    edges = take(n * rows);
     sums = take(blocks * block * column_stride);
     jumps = take((columns + 2) * rows);
     state = take(n * rows + 128) + 64;
@@ -51,7 +52,9 @@ struct Work {
   const SemiGlobalVolume& volume;
   int n, columns, blocks, first;
   ptrdiff_t column_stride;
+  // Costs and sums by columns. A block's costs stand where its sums will: the last path is done with them by then.
   uint8_t *costs, *sums, *jumps, *state;
+  uint8_t* edges;  // differences summed over 3 rows left of the columns at work
 };
 
 /// Some blocks of columns wide, few enough to stay in the nearest cache with all rows of codes they need.
@@ -92,9 +95,15 @@ HWY_INLINE void fill_costs(D d, const Work& w, int i, int from, int width, Chunk
   for (int x = 0; x < width; x += lanes)
     sum_rows(d, w, i, from + x, [&](int r, const auto& sums) HWY_ATTR { hn::StoreU(sums, d, c.over_rows[r] + block + x); });
   // Beyond the sides of the search stands what is at its borders.
-  sum_rows(d, w, i, from > 0 ? from - 1 : 0, [&](int r, const auto& sums) HWY_ATTR { c.over_rows[r][block - 1] = hn::GetLane(sums); });
-  sum_rows(d, w, i, std::min(from + end, w.columns - 1),
-           [&](int r, const auto& sums) HWY_ATTR { c.over_rows[r][block + end] = hn::GetLane(sums); });
+  uint8_t* edge = w.edges + i * rows;
+  for (int r = 0; r < rows; ++r) {
+    uint8_t* sums = c.over_rows[r] + block;
+    sums[-1] = from > 0 ? edge[r] : sums[0];
+    edge[r] = sums[width - 1];
+    sums[end] = sums[end - 1];
+  }
+  if (from + end < w.columns)
+    sum_rows(d, w, i, from + end, [&](int r, const auto& sums) HWY_ATTR { c.over_rows[r][block + end] = hn::GetLane(sums); });
   for (int r = 0; r < rows; ++r) {
     for (int x = 0; x < width; x += lanes) {
       const uint8_t* sums = c.over_rows[r] + block + x;

@@ -129,7 +129,8 @@ void paths_row(const SemiGlobal& s, int row, bool fresh, const SemiGlobalVolume&
     widen(d16, winners.refused, valid, out.refused + x);
   }
   const uint8_t* sums = volume.sums(row, 0);
-  const auto at = [sums, n](int x, int i) { return sums[(static_cast<ptrdiff_t>(x / block) * n + i) * block + x % block]; };
+  const ptrdiff_t block_bytes = static_cast<ptrdiff_t>(volume.block_bytes());
+  const auto at = [sums, block_bytes](int x, int i) { return sums[x / block * block_bytes + i * block + x % block]; };
   for (int x = 0; x < columns; ++x) {
     const int i = out.index[first + x];
     int match = out.cost[first + x];
