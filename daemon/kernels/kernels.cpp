@@ -28,6 +28,12 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .count_votes = plain::count_votes,
+      .collect_points = plain::collect_points,
+      .count_near = plain::count_near,
+      .sum_near = plain::sum_near,
+      .mark_above = plain::mark_above,
+      .count_cells = plain::count_cells,
   };
 }
 
@@ -51,6 +57,9 @@ Kernels kernels(std::string_view level) {
     if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
+    choose_vdisparity(table);
+    choose_line_search(table);
+    choose_map(table);
     return table;
   }
   std::string names;

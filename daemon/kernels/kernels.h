@@ -6,7 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/kernels/line_search.h"
+#include "daemon/kernels/map.h"
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/vdisparity.h"
 
 namespace vdisp::kernels {
 
@@ -14,6 +17,12 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  CountVotes* count_votes;
+  CollectPoints* collect_points;
+  CountNear* count_near;
+  SumNear* sum_near;
+  MarkAbove* mark_above;
+  CountCells* count_cells;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

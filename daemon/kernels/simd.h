@@ -16,5 +16,8 @@ namespace vdisp::kernels {
 struct Kernels;
 /// Each writes its kernels into the table, in the form of the chosen target.
 void choose_prefilter(Kernels& table);
+void choose_vdisparity(Kernels& table);
+void choose_line_search(Kernels& table);
+void choose_map(Kernels& table);
 
 }  // namespace vdisp::kernels

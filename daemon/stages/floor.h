@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <random>
 #include <vector>
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/kernels/kernels.h"
 #include "ipc/records.h"
 
 namespace vdisp {
@@ -27,13 +27,14 @@ class Floor final : public ImageProcessor {
   struct Line {
     double slope, row0;  // row = slope * column + row0
   };
-  void collect_points(const Image& vdisparity) noexcept;
   bool search(uint64_t seed, Line& best) noexcept;
-  size_t count_near(const Line& line) const noexcept;
-  Line refine(Line line) const noexcept;
-  void describe(const Image& vdisparity, const Line& line, FloorModel& model) const noexcept;
+  kernels::NearSums sum_near(const Line& line) noexcept;
+  Line refine(Line line) noexcept;
+  void describe(const Image& vdisparity, const Line& line, FloorModel& model) noexcept;
+  kernels::Points points() { return {columns_.data(), rows_.data(), votes_.data()}; }
 
   const Config& config_;
+  const kernels::Kernels kernels_ = kernels::kernels();
   std::vector<float> columns_, rows_, votes_;  // the points; sized once, size_ of them in use
   size_t size_ = 0;
 };

@@ -4,6 +4,7 @@
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/kernels/kernels.h"
 
 namespace vdisp {
 
@@ -19,7 +20,11 @@ class Map final : public ImageProcessor {
 
  private:
   GridGeometry grid(const Image& disparity, double pitch, const ImageSpec& spec) const;
+  kernels::Ground ground(const Image& disparity, double pitch, const ImageSpec& spec) const;
+
   const Config& config_;
+  const kernels::Kernels kernels_ = kernels::kernels();
+  kernels::GroundScratch scratch_;
 };
 
 }  // namespace vdisp

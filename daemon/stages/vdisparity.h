@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/kernels/kernels.h"
 
 namespace vdisp {
 
@@ -16,6 +19,8 @@ class VDisparity final : public ImageFilter {
 
  private:
   const Config& config_;
+  const kernels::Kernels kernels_ = kernels::kernels();
+  std::vector<uint16_t> scratch_;
 };
 
 }  // namespace vdisp

@@ -1,0 +1,52 @@
+// ground_rows.h: where pixels stand on the ground, in single precision, and how far off that can be from the exact place.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/kernels/map.h"
+
+namespace vdisp::kernels {
+
+/// In single precision, and in cells, a pixel stands Z (keep - drop[u]) ahead and Z (across[u] - shift) to the right of the camera,
+/// with Z by its disparity, drop and across by its column, keep and shift by its row.
+class GroundRows {
+ public:
+  GroundRows(const Ground& ground, const Search& search, int width, GroundScratch& scratch) : ground_(ground) {
+    scale_ = ground.f * ground.baseline / ground.cell;
+    for (int column = std::max(search.least - search.first, 0); column < search.columns; ++column)
+      scratch.depth[static_cast<size_t>(column)] = static_cast<float>(scale_ / ((search.first + column) / 16.0 - ground.cx_offset));
+    for (int u = 0; u < width; ++u) {
+      const double x = (u - ground.cx) / ground.f;
+      scratch.across[static_cast<size_t>(u)] = static_cast<float>(x * ground.cos_roll);
+      scratch.drop[static_cast<size_t>(u)] = static_cast<float>(x * ground.sin_roll * ground.sin_pitch);
+    }
+    const double left = -ground.cx / ground.f, right = (width - 1 - ground.cx) / ground.f, tilt = ground.sin_roll * ground.sin_pitch;
+    most_drop_ = std::max(left * tilt, right * tilt);
+    widest_ = std::max(std::abs(left), std::abs(right));
+    margin = static_cast<float>(0x1p-22 * (std::max(ground.rows, ground.columns) + 2));
+  }
+  void go_to(int v) {
+    const double y = (v - ground_.cy) / ground_.f, exact_keep = ground_.cos_pitch - y * ground_.cos_roll * ground_.sin_pitch;
+    const double exact_shift = y * ground_.sin_roll;
+    keep = static_cast<float>(exact_keep);
+    shift = static_cast<float>(exact_shift);
+    // Z, keep and drop are each rounded by 2^-24 of themselves, as are their difference and their product: in all 2^-22 of
+    // Z (|keep| + |drop|) at most, and the same for the other axis. Twice that is allowed for.
+    margin_by_depth = static_cast<float>(0x1p-21 * std::max(std::abs(exact_keep) + widest_, widest_ + std::abs(exact_shift)));
+    // What is more than a cell too far off everywhere in the row need not be looked at.
+    const double least = 16 * (scale_ * (exact_keep - most_drop_) / (ground_.rows + 1) + ground_.cx_offset);
+    nearest = static_cast<int>(std::clamp(std::floor(least), -32768.0, 32767.0));
+  }
+
+  float keep = 0, shift = 0;
+  float margin, margin_by_depth = 0;  ///< how far off Z (..) can be from the number that cell_of() rounds down: margin + Z margin_by_depth
+  int nearest = 0;                    ///< lower disparities are beyond the grid
+
+ private:
+  const Ground& ground_;
+  double scale_, most_drop_, widest_;
+};
+
+}  // namespace vdisp::kernels
