@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "daemon/kernels/append_simd.h"
 #include "daemon/kernels/simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,7 +20,9 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-size_t collect_points(Plane<const int16_t> votes, int threshold, const Points& points) { return plain::collect_points(votes, threshold, points); }
+size_t collect_points(Plane<const int16_t> votes, int threshold, const Points& points) {
+  return plain::collect_points(votes, threshold, points);
+}
 size_t count_near(const Points& points, size_t n, float slope, float row0, float reach, size_t beat) {
   return plain::count_near(points, n, slope, row0, reach, beat);
 }
@@ -47,8 +50,8 @@ size_t collect_points(Plane<const int16_t> votes, int threshold, const Points& p
       for (int part = column; part < column + lanes; part += half_lanes) {
         const auto count = hn::PromoteTo(d32, hn::LoadU(half, row + part));
         const auto mask = hn::RebindMask(df, hn::Gt(count, least32));
-        hn::CompressStore(hn::ConvertTo(df, count), mask, df, points.votes + n);
-        n += hn::CompressStore(hn::Add(steps, hn::Set(df, static_cast<float>(part))), mask, df, points.column + n);
+        append(df, hn::ConvertTo(df, count), mask, points.votes + n);
+        n += append(df, hn::Add(steps, hn::Set(df, static_cast<float>(part))), mask, points.column + n);
       }
     }
     for (; column < votes.width; ++column) {

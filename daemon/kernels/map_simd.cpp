@@ -11,6 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "daemon/kernels/append_simd.h"
 #include "daemon/kernels/simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -102,7 +103,7 @@ class RowCells {
   HWY_INLINE void step(D32 d32, const int16_t* row, int u, int first, int end) {
     const hn::RebindToFloat<D32> df;
     const hn::Rebind<int16_t, D32> d16;
-    const auto set = [&](double value) HWY_ATTR { return hn::Set(df, static_cast<float>(value)); };
+    const auto half_rows = hn::Set(df, rows_.half_rows), half_columns = hn::Set(df, rows_.half_columns), half = hn::Set(df, 0.5f);
     const auto d = hn::PromoteTo(d32, hn::LoadU(d16, row + u));
     const auto least = hn::Set(d32, first), most = hn::Set(d32, end - 1);
     const auto usable = hn::Min(hn::Max(d, least), most);
@@ -110,22 +111,21 @@ class RowCells {
     const auto z = hn::GatherIndex(df, scratch_.depth.data(), hn::Sub(usable, hn::Set(d32, search_.first)));
     const auto ahead = hn::Mul(z, hn::Sub(hn::Set(df, rows_.keep), hn::LoadU(df, scratch_.drop.data() + u)));
     const auto right = hn::Mul(z, hn::Sub(hn::LoadU(df, scratch_.across.data() + u), hn::Set(df, rows_.shift)));
-    const auto side = hn::Add(right, set(ground_.columns / 2.0));
+    const auto side = hn::Add(right, half_columns);
     const auto margin = hn::Add(hn::Mul(z, hn::Set(df, rows_.margin_by_depth)), hn::Set(df, rows_.margin));
 
-    const auto outside = [&](auto value, int size) HWY_ATTR { return hn::Sub(hn::Abs(hn::Sub(value, set(size / 2.0))), set(size / 2.0)); };
-    const auto candidate = hn::And(asked, hn::Lt(hn::Max(outside(ahead, ground_.rows), outside(side, ground_.columns)), margin));
+    const auto outside = hn::Max(hn::Sub(hn::Abs(hn::Sub(ahead, half_rows)), half_rows), hn::Sub(hn::Abs(right), half_columns));
+    const auto candidate = hn::And(asked, hn::Lt(outside, margin));
     if (hn::AllFalse(df, candidate)) return;
-    const auto down = hn::Floor(ahead), left = hn::Floor(side), half = set(0.5);
+    const auto down = hn::Floor(ahead), left = hn::Floor(side);
     const auto off_middle = hn::Max(hn::Abs(hn::Sub(hn::Sub(ahead, down), half)), hn::Abs(hn::Sub(hn::Sub(side, left), half)));
     const auto sure = hn::Lt(off_middle, hn::Sub(half, margin));
     const auto row_index = hn::Sub(hn::Set(d32, ground_.rows - 1), hn::ConvertTo(d32, down));
     const auto cell = hn::Add(hn::Mul(row_index, hn::Set(d32, stride_)), hn::ConvertTo(d32, left));
-    cells += static_cast<int>(hn::CompressStore(cell, hn::RebindMask(d32, hn::And(candidate, sure)), d32, scratch_.cells.data() + cells));
+    cells += static_cast<int>(append(d32, cell, hn::RebindMask(d32, hn::And(candidate, sure)), scratch_.cells.data() + cells));
     const auto unsure = hn::AndNot(sure, candidate);
     if (!hn::AllFalse(df, unsure))
-      doubtful += static_cast<int>(
-          hn::CompressStore(hn::Iota(d32, u), hn::RebindMask(d32, unsure), d32, scratch_.doubtful.data() + doubtful));
+      doubtful += static_cast<int>(append(d32, hn::Iota(d32, u), hn::RebindMask(d32, unsure), scratch_.doubtful.data() + doubtful));
   }
 
  private:

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "daemon/kernels/append_simd.h"
 #include "daemon/kernels/simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -23,18 +24,6 @@ void count_votes(Plane<const int16_t> disparity, int first, int last, const Sear
   plain::count_votes(disparity, first, last, search, votes, scratch);
 }
 #else
-
-/// The lanes of the mask, one behind the other; a whole vector may be written. Returns how many.
-template <class D, class V, class M>
-HWY_INLINE size_t append(D d, V v, M mask, uint16_t* to) {
-#if HWY_TARGET == HWY_AVX3_DL
-  // Twice as fast as the instruction that compresses into memory (measured on Sapphire Rapids).
-  hn::StoreU(hn::Compress(v, mask), d, to);
-  return hn::CountTrue(d, mask);
-#else
-  return hn::CompressStore(v, mask, d, to);
-#endif
-}
 
 /// Columns of the pixels that count, one behind the other. What does not count is left out rather than counted somewhere harmless:
 /// rejected pixels stand side by side, and adding to one counter again and again waits each time for the last store.
@@ -70,6 +59,12 @@ void count_votes(Plane<const int16_t> disparity, int first, int last, const Sear
     const int n2 = list_columns(disparity.row(v + 2), disparity.width, search, l2);
     const int n3 = list_columns(disparity.row(v + 3), disparity.width, search, l3);
     for (int16_t* row : {v0, v1, v2, v3}) std::fill_n(row, votes.width, int16_t{0});
+    if (v + 8 <= last) {
+      for (int next = v + 4; next < v + 8; ++next) {
+        for (int i = 0; i < votes.width; i += 32) __builtin_prefetch(votes.row(next) + i);
+        for (int i = 0; i < disparity.width; i += 32) __builtin_prefetch(disparity.row(next) + i);
+      }
+    }
     const int shared = std::min({n0, n1, n2, n3});
     for (int i = 0; i < shared; ++i) {
       ++v0[l0[i]];

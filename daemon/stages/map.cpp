@@ -39,8 +39,8 @@ GridGeometry Map::grid(const Image& disparity, double pitch, const ImageSpec& sp
 kernels::Ground Map::ground(const Image& disparity, double pitch, const ImageSpec& spec) const {
   const StereoView view = stereo_view(disparity);
   const double roll = config_.mounting.roll;
-  return {view.f,          view.cx,          view.cy,        view.baseline,  view.cx_offset,   std::cos(pitch),
-          std::sin(pitch), std::cos(roll),   std::sin(roll), config_.map.cell, spec.height, spec.width};
+  return {view.f,          view.cx,        view.cy,        view.baseline,    view.cx_offset, std::cos(pitch),
+          std::sin(pitch), std::cos(roll), std::sin(roll), config_.map.cell, spec.height,    spec.width};
 }
 
 Outcome Map::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {

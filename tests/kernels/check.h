@@ -71,7 +71,7 @@ void fill(Picture<T>& picture, Content content, uint32_t seed, T most = static_c
 }
 
 /// Widths and heights around the borders of vectors, and single pixels.
-inline const std::vector<std::pair<int, int>> awkward_sizes = {{1, 1},  {2, 1},   {1, 5},  {3, 3},   {7, 2},   {15, 4},
+inline const std::vector<std::pair<int, int>> awkward_sizes = {{1, 1},  {2, 1},  {1, 5},  {3, 3},  {7, 2},   {15, 4},
                                                                {17, 3}, {33, 5}, {64, 2}, {65, 7}, {127, 3}, {131, 9}};
 
 /// Runs `body(level, kernels)` for every level but plain, with the level in the trace.
