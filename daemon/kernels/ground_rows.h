@@ -27,9 +27,8 @@ class GroundRows {
     const double left = -ground.cx / ground.f, right = (width - 1 - ground.cx) / ground.f, tilt = ground.sin_roll * ground.sin_pitch;
     most_drop_ = std::max(left * tilt, right * tilt);
     widest_ = std::max(std::abs(left), std::abs(right));
-    half_rows = static_cast<float>(ground.rows / 2.0);
-    half_columns = static_cast<float>(ground.columns / 2.0);
-    margin = static_cast<float>(0x1p-22 * (std::max(ground.rows, ground.columns) + 2));
+    middle = static_cast<float>(ground.columns / 2.0 - 0.5);
+    allowed = static_cast<float>(0.5 - 0x1p-22 * (std::max(ground.rows, ground.columns) + 2));
   }
   void go_to(int v) {
     const double y = (v - ground_.cy) * by_f_, exact_keep = ground_.cos_pitch - y * ground_.cos_roll * ground_.sin_pitch;
@@ -38,16 +37,16 @@ class GroundRows {
     shift = static_cast<float>(exact_shift);
     // Z, keep and drop are each rounded by 2^-24 of themselves, as are their difference and their product: in all 2^-22 of
     // Z (|keep| + |drop|) at most, and the same for the other axis. Twice that is allowed for.
-    margin_by_depth = static_cast<float>(0x1p-21 * std::max(std::abs(exact_keep) + widest_, widest_ + std::abs(exact_shift)));
+    less_by_depth = static_cast<float>(0x1p-21 * std::max(std::abs(exact_keep) + widest_, widest_ + std::abs(exact_shift)));
     // What is more than a cell too far off everywhere in the row need not be looked at.
     const double least = per_row_ * (exact_keep - most_drop_) + 16 * ground_.cx_offset;
     nearest = static_cast<int>(std::clamp(least, -32000.0, 32000.0)) - 1;
   }
 
   float keep = 0, shift = 0;
-  float half_rows, half_columns;
-  float margin, margin_by_depth = 0;  ///< how far off Z (..) can be from the number that cell_of() rounds down: margin + Z margin_by_depth
-  int nearest = 0;                    ///< lower disparities are beyond the grid
+  float middle;
+  float allowed, less_by_depth = 0;  ///< what is within allowed - Z less_by_depth of the middle of a cell is in it for cell_of() too
+  int nearest = 0;                   ///< lower disparities are beyond the grid
 
  private:
   const Ground& ground_;

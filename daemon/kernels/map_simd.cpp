@@ -103,29 +103,30 @@ class RowCells {
   HWY_INLINE void step(D32 d32, const int16_t* row, int u, int first, int end) {
     const hn::RebindToFloat<D32> df;
     const hn::Rebind<int16_t, D32> d16;
-    const auto half_rows = hn::Set(df, rows_.half_rows), half_columns = hn::Set(df, rows_.half_columns), half = hn::Set(df, 0.5f);
+    const hn::RebindToUnsigned<D32> du32;
     const auto d = hn::PromoteTo(d32, hn::LoadU(d16, row + u));
-    const auto least = hn::Set(d32, first), most = hn::Set(d32, end - 1);
-    const auto usable = hn::Min(hn::Max(d, least), most);
-    const auto asked = hn::RebindMask(df, hn::Eq(d, usable));
+    const auto usable = hn::Min(hn::Max(d, hn::Set(d32, first)), hn::Set(d32, end - 1));
+    const auto asked = hn::Eq(d, usable);
+    if (hn::AllFalse(d32, asked)) return;
     const auto z = hn::GatherIndex(df, scratch_.depth.data(), hn::Sub(usable, hn::Set(d32, search_.first)));
-    const auto ahead = hn::Mul(z, hn::Sub(hn::Set(df, rows_.keep), hn::LoadU(df, scratch_.drop.data() + u)));
+    // Both in cells, less half a cell: so the nearest whole number is the cell, and no farther off than half less the margin.
+    const auto ahead = hn::Sub(hn::Mul(z, hn::Sub(hn::Set(df, rows_.keep), hn::LoadU(df, scratch_.drop.data() + u))), hn::Set(df, 0.5f));
     const auto right = hn::Mul(z, hn::Sub(hn::LoadU(df, scratch_.across.data() + u), hn::Set(df, rows_.shift)));
-    const auto side = hn::Add(right, half_columns);
-    const auto margin = hn::Add(hn::Mul(z, hn::Set(df, rows_.margin_by_depth)), hn::Set(df, rows_.margin));
+    const auto side = hn::Add(right, hn::Set(df, rows_.middle));
+    const auto down = hn::NearestInt(ahead), left = hn::NearestInt(side);
+    const auto off_ahead = hn::Abs(hn::Sub(ahead, hn::ConvertTo(df, down))), off_side = hn::Abs(hn::Sub(side, hn::ConvertTo(df, left)));
+    const auto allowed = hn::Sub(hn::Set(df, rows_.allowed), hn::Mul(z, hn::Set(df, rows_.less_by_depth)));
+    const auto sure = hn::RebindMask(d32, hn::Le(hn::Max(off_ahead, off_side), allowed));
 
-    const auto outside = hn::Max(hn::Sub(hn::Abs(hn::Sub(ahead, half_rows)), half_rows), hn::Sub(hn::Abs(right), half_columns));
-    const auto candidate = hn::And(asked, hn::Lt(outside, margin));
-    if (hn::AllFalse(df, candidate)) return;
-    const auto down = hn::Floor(ahead), left = hn::Floor(side);
-    const auto off_middle = hn::Max(hn::Abs(hn::Sub(hn::Sub(ahead, down), half)), hn::Abs(hn::Sub(hn::Sub(side, left), half)));
-    const auto sure = hn::Lt(off_middle, hn::Sub(half, margin));
-    const auto row_index = hn::Sub(hn::Set(d32, ground_.rows - 1), hn::ConvertTo(d32, down));
-    const auto cell = hn::Add(hn::Mul(row_index, hn::Set(d32, stride_)), hn::ConvertTo(d32, left));
-    cells += static_cast<int>(append(d32, cell, hn::RebindMask(d32, hn::And(candidate, sure)), scratch_.cells.data() + cells));
-    const auto unsure = hn::AndNot(sure, candidate);
-    if (!hn::AllFalse(df, unsure))
-      doubtful += static_cast<int>(append(d32, hn::Iota(d32, u), hn::RebindMask(d32, unsure), scratch_.doubtful.data() + doubtful));
+    const auto below = [&](auto value, int size) HWY_ATTR {
+      return hn::RebindMask(d32, hn::Lt(hn::BitCast(du32, value), hn::Set(du32, static_cast<uint32_t>(size))));
+    };
+    const auto inside = hn::And(asked, hn::And(below(down, ground_.rows), below(left, ground_.columns)));
+    const auto cell = hn::Add(hn::Mul(hn::Sub(hn::Set(d32, ground_.rows - 1), down), hn::Set(d32, stride_)), left);
+    cells += static_cast<int>(append(d32, cell, hn::And(inside, sure), scratch_.cells.data() + cells));
+    const auto unsure = hn::AndNot(sure, asked);
+    if (!hn::AllFalse(d32, unsure))
+      doubtful += static_cast<int>(append(d32, hn::Iota(d32, u), unsure, scratch_.doubtful.data() + doubtful));
   }
 
  private:
@@ -156,12 +157,15 @@ void count_cells(Plane<const int16_t> disparity, const Search& search, const int
     const auto before = hn::Set(d16, static_cast<int16_t>(first - 1)), past = hn::Set(d16, static_cast<int16_t>(end));
     RowCells found(ground, search, rows, stride, scratch);
     int u = 0;
-    for (; u + lanes <= disparity.width; u += lanes) {
-      const auto d = hn::LoadU(d16, row + u);
-      if (hn::AllFalse(d16, hn::And(hn::Gt(d, before), hn::Lt(d, past)))) continue;
-      found.step(d32, row, u, first, end);
-      found.step(d32, row, u + half, first, end);
+    const auto inside = [&](int at) HWY_ATTR {
+      const auto d = hn::LoadU(d16, row + at);
+      return hn::And(hn::Gt(d, before), hn::Lt(d, past));
+    };
+    for (; u + 2 * lanes <= disparity.width; u += 2 * lanes) {
+      if (hn::AllFalse(d16, hn::Or(inside(u), inside(u + lanes)))) continue;
+      for (int part = u; part < u + 2 * lanes; part += half) found.step(d32, row, part, first, end);
     }
+    for (; u + half <= disparity.width; u += half) found.step(d32, row, u, first, end);
     for (; u < disparity.width; ++u) found.step(one, row, u, first, end);
     for (int i = 0; i < found.doubtful; ++i) {
       const int at = scratch.doubtful[static_cast<size_t>(i)], cell = ground.cell_of(at, v, row[at], stride);

@@ -129,7 +129,8 @@ TEST(SumNear, is_exact_at_every_level) {
     for (double reach : {0.3, 4.4721, 1e9}) {
       int64_t sums[7] = {};
       for (size_t i = 0; i < n; ++i) {
-        const auto column = static_cast<int64_t>(p.column[i]), row = static_cast<int64_t>(p.row[i]), votes = static_cast<int64_t>(p.votes[i]);
+        const auto column = static_cast<int64_t>(p.column[i]), row = static_cast<int64_t>(p.row[i]),
+                   votes = static_cast<int64_t>(p.votes[i]);
         sums[1] += votes;
         if (std::abs(0.5 * static_cast<double>(column) + 150 - static_cast<double>(row)) >= reach) continue;
         const int64_t terms[] = {1, 0, votes, votes * column, votes * row, votes * column * column, votes * column * row};

@@ -12,7 +12,8 @@ namespace {
 
 /// Limits by shape: those of a line, and what only other floors could give.
 enum class Shape { none, everything, rising, falling, flat, hill, valley, noise };
-constexpr Shape all_shapes[] = {Shape::none, Shape::everything, Shape::rising, Shape::falling, Shape::flat, Shape::hill, Shape::valley, Shape::noise};
+constexpr Shape all_shapes[] = {Shape::none, Shape::everything, Shape::rising, Shape::falling,
+                                Shape::flat, Shape::hill,       Shape::valley, Shape::noise};
 
 std::vector<int16_t> limit_of(Shape shape, int columns, int height) {
   std::vector<int16_t> limit(static_cast<size_t>(columns));
@@ -35,11 +36,13 @@ std::vector<int16_t> limit_of(Shape shape, int columns, int height) {
   return limit;
 }
 
-Ground ground(double f, double cx, double cy, double baseline, double cx_offset, double pitch, double roll, double cell, int rows, int columns) {
+Ground ground(double f, double cx, double cy, double baseline, double cx_offset, double pitch, double roll, double cell, int rows,
+              int columns) {
   return {f, cx, cy, baseline, cx_offset, std::cos(pitch), std::sin(pitch), std::cos(roll), std::sin(roll), cell, rows, columns};
 }
 
-void expect_same_cells(const Kernels& k, Picture<int16_t>& disparity, const Search& search, const std::vector<int16_t>& limit, const Ground& g) {
+void expect_same_cells(const Kernels& k, Picture<int16_t>& disparity, const Search& search, const std::vector<int16_t>& limit,
+                       const Ground& g) {
   Picture<int16_t> expected(g.columns, g.rows), got(g.columns, g.rows);
   GroundScratch scratch(disparity.plane().width, search.columns);
   for (Picture<int16_t>* map : {&expected, &got}) fill(*map, Content::black, 0);
@@ -81,7 +84,8 @@ TEST(MarkAbove, marks_rows_above_the_limit_of_their_disparity) {
       for (int x = 0; x < 40; ++x) ASSERT_EQ(mask.at(x, y), y < rows ? 255 : 0) << "disparity " << d << " at " << x << "," << y;
   };
   for (const std::string& level : levels())
-    for (const auto& [d, rows] : {std::pair{16, 0}, {17, 2}, {20, 2}, {21, 0}, {22, 2}, {47, 2}, {48, 0}, {-32003, 0}}) check(kernels(level), d, rows);
+    for (const auto& [d, rows] : {std::pair{16, 0}, {17, 2}, {20, 2}, {21, 0}, {22, 2}, {47, 2}, {48, 0}, {-32003, 0}})
+      check(kernels(level), d, rows);
 }
 
 TEST(Ground, a_pixel_stands_where_the_frames_of_reference_put_it) {
