@@ -21,7 +21,7 @@ bool Height::combine(const Image& disparity, const Image& model_image, Image& ou
   out.reason = no_metres(disparity, pitch);
   if (out.reason != Reason::none) return false;
   const CameraGeometry& g = disparity.camera;
-  const kernels::Search search = search_of(g);
+  const kernels::Search search = search_of(g, 16 * g.disparities);
   const double mm_per_row = 1000 * static_cast<double>(g.baseline) * std::cos(pitch);  // times 1 / d'
   for (int v = 0; v < out.spec.height; ++v) {
     const int16_t* d = disparity.row<int16_t>(v);

@@ -39,9 +39,9 @@ kernels::Plane<const T> plane(const Image& image) {
   return {image.row<T>(0), image.spec.width, image.spec.height, static_cast<ptrdiff_t>(image.spec.stride() / sizeof(T))};
 }
 
-/// The disparities inside the search range and nearer than infinity, and their columns in the v-disparity.
-inline kernels::Search search_of(const CameraGeometry& g) {
-  const int first = 16 * g.min_disparity, columns = 16 * g.disparities;
+/// The disparities inside the search range and nearer than infinity, and their columns in a v-disparity of this width.
+inline kernels::Search search_of(const CameraGeometry& g, int width) {
+  const int first = 16 * g.min_disparity, columns = std::min(16 * g.disparities, width);
   const float beyond = std::clamp(std::floor(16 * g.cx_offset) + 1, static_cast<float>(first), static_cast<float>(first + columns));
   return {first, static_cast<int>(beyond), columns};
 }

@@ -13,8 +13,7 @@ ImageSpec VDisparity::accept(const ImageSpec& in) {
 }
 
 bool VDisparity::filter(const Image& in, Image& out) noexcept {
-  kernels::Search search = search_of(in.camera);
-  search.columns = std::min<int>(search.columns, out.spec.width);
+  const kernels::Search search = search_of(in.camera, out.spec.width);
   kernels_.count_votes(plane<int16_t>(in), 0, in.spec.height, search, plane<int16_t>(out), scratch_.data());
   return true;
 }
