@@ -56,6 +56,13 @@ class Check {
     }
   }
 
+  void mosaic() {
+    const auto& s = config_.image_source;
+    if (s.source != "sim" || s.bayer == "none") return;
+    refuse({"image source.bayer", "image source.source"},
+           value("image source.bayer") + " with source = sim, must be none: its images are grey");
+  }
+
   void sizes() {
     const auto& s = config_.image_source;
     size(s.source, "image source.width", s.width, "sim.width", config_.sim.width);
@@ -108,6 +115,7 @@ std::vector<Contradiction> check(const Config& config) {
   Check check(config);
   check.name();
   check.files();
+  check.mosaic();
   check.sizes();
   check.search();
   check.floor();

@@ -27,7 +27,7 @@ void Dump::see(const Topic& topic, const Image& image) noexcept {
   }
 }
 
-void Dump::finish_frame(const Driver& driver, const std::string& left, const std::string& right) {
+void Dump::finish_frame(const Driver& driver, const std::pair<std::string, std::string>& files) {
   if (failed_) {
     current_.reset();
     throw WriteError(*failed_);
@@ -35,7 +35,7 @@ void Dump::finish_frame(const Driver& driver, const std::string& left, const std
   if (!current_) return;
   for (size_t i = 0; i < driver.topics().size(); ++i)
     current_->add_timing(driver.topics()[i].name, driver.timing({static_cast<int>(i)}).last_ns);
-  current_->finish(fs::path(left).filename(), fs::path(right).filename());
+  current_->finish(fs::path(files.first).filename(), fs::path(files.second).filename());
   current_.reset();
   ++frame_;
 }

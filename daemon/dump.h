@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "daemon/core/driver.h"
 #include "ipc/dump.h"
@@ -18,8 +19,8 @@ class Dump {
   /// Creates DIR; one that holds frames already is refused, so that two runs are never mixed.
   explicit Dump(std::filesystem::path folder);
   void see(const Topic& topic, const Image& image) noexcept;
-  /// After each step; `left`, `right`: files of the pair.
-  void finish_frame(const Driver& driver, const std::string& left, const std::string& right);
+  /// After each step; `files`: left and right of the pair.
+  void finish_frame(const Driver& driver, const std::pair<std::string, std::string>& files);
 
  private:
   std::filesystem::path folder_;

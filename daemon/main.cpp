@@ -32,12 +32,14 @@ class Run {
       : options_(options),
         config_(options.config),
         edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
+        machine_(config_.main.threads, options.cpu),
         driver_(wall_clock_ns()) {
     cv::setNumThreads(config_.main.threads);
+    log::debug("kernels for {}, threads: {}", machine_.level, machine_.bands.threads());
     auto source = open_source(config_);
     source_ = source.get();
     period_ns_ = std::max<int64_t>(source->period_ns(), config_.main.period * 1'000'000LL);
-    build_tree(driver_, std::move(source), config_);
+    build_tree(driver_, std::move(source), machine_, config_);
     write_dot();
     if (!options.dump.empty()) dump_.emplace(options.dump);
     publish();
@@ -59,10 +61,7 @@ class Run {
       driver_.beat();
       if (driver_.steps() == 1)
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
-      if (dump_) {
-        const auto [left, right] = source_->files();
-        dump_->finish_frame(driver_, left, right);
-      }
+      if (dump_) dump_->finish_frame(driver_, source_->files());
       if (options_.frames && driver_.steps() >= options_.frames) break;
       // A frame that came too late is not caught up with: the next one is due a period from now.
       due = std::max(due + period_ns_, monotonic_ns() - period_ns_);
@@ -116,6 +115,7 @@ class Run {
   const Options& options_;
   const Config& config_;
   log::Edges edges_;
+  Machine machine_;
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
   int64_t period_ns_ = 0;

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "daemon/kernels/kernels.h"
 #include "daemon/tree.h"
 #include "ipc/shm.h"
 
@@ -27,11 +28,27 @@ std::string whole_number(const std::string& text) {
 
 std::string not_empty(const std::string& text) { return text.empty() ? "is empty; needed is a path" : ""; }
 
+std::string instruction_sets() {
+  std::string names;
+  for (const std::string& level : kernels::levels()) names += (names.empty() ? "" : ", ") + level;
+  return names;
+}
+
+std::string known_instruction_set(const std::string& level) {
+  try {
+    kernels::kernels(level);
+  } catch (const std::invalid_argument& unknown) {
+    return unknown.what();
+  }
+  return "";
+}
+
 /// What the pools of the shared memory will hold, as comments, where the source can be opened here.
 void print_memory(std::ostream& out, const Config& config) {
   try {
+    Machine machine;
     Driver driver(0);
-    build_tree(driver, open_source(config), config);
+    build_tree(driver, open_source(config), machine, config);
     TopicList topics;
     for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
     std::ostringstream pools;
@@ -65,7 +82,7 @@ Parsed parse_options(int argc, char** argv) {
   bool sim = false, check_only = false, print = false;
 
   CLI::App app("Turns stereo frames into an obstacle map, and shows every stage of the way in shared memory.", "vdispd");
-  app.set_version_flag("--version", "vdispd " VDISP_VERSION);
+  app.set_version_flag("--version", "vdispd " VDISP_VERSION "\ninstruction sets here: " + instruction_sets());
   app.add_option("-c,--config", file, "Configuration; without it /etc/vdisp/vdisp.cfg, or the defaults where that does not exist")
       ->type_name("FILE");
   app.add_flag("--sim", sim, "Show a simulated world instead of a camera's (source = sim)");
@@ -74,6 +91,9 @@ Parsed parse_options(int argc, char** argv) {
   app.add_option("--dump", options.dump, "Compute all stages and write each frame to DIR/000000, DIR/000001, ...")
       ->type_name("DIR")
       ->check(not_empty);
+  app.add_option("--cpu", options.cpu, "Instruction set of the kernels, here " + instruction_sets() + "; auto is the last of them")
+      ->type_name("LEVEL")
+      ->check(known_instruction_set);
   app.add_flag("--check-config", check_only, "Say all that is wrong with the configuration and end");
   app.add_flag("--print-config", print, "Print the configuration as it is understood and end");
   app.add_option("--dot", options.dot, "Write the processing tree as a Graphviz graph to FILE")->type_name("FILE")->check(not_empty);

@@ -13,9 +13,10 @@ namespace vdisp {
 
 struct Options {
   Config config;
-  std::string dump;     ///< folder; empty: none
-  std::string dot;      ///< file; empty: none
-  uint64_t frames = 0;  ///< 0: until the source ends
+  std::string dump;          ///< folder; empty: none
+  std::string dot;           ///< file; empty: none
+  std::string cpu = "auto";  ///< a level of kernels::levels(), or auto
+  uint64_t frames = 0;       ///< 0: until the source ends
 };
 
 /// Reads the command line and the configuration it names. When there is nothing to run (help, a mistake, --check-config,

@@ -14,24 +14,28 @@
 
 namespace vdisp {
 
-void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, const Config& config) {
+void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& machine, const Config& config) {
   using std::make_unique;
   StereoSource& stereo = *source;
   const auto calibration = stereo.calibration();
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
-  const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, config), {camera[0]});
-  const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, config), {camera[1]});
-  const auto disparity = driver.add("disparity", make_unique<Disparity>(config), {left, right}, Need::always);
+  const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
+  const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
+  // The floor of the last frame tells the matcher where to expect this one's.
+  std::vector<Handle> views{left, right};
+  const bool floors = config.main.detectors == "vdisparity";
+  if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
+  const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
 
-  if (config.main.detectors == "vdisparity") {
-    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
-    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(config), {vdisparity}, Need::always);
+  if (floors) {
+    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
+    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
-    driver.add("map", make_unique<Map>(config), {disparity, limit, floor[1]}, Need::always);
+    driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
 
     // For the eye: run only while somebody looks, and after the map.
-    driver.add("obstacles", make_unique<ShowObstacle>(), {disparity, limit});
+    driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
     driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});

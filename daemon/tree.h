@@ -7,11 +7,13 @@
 #include "config/config.h"
 #include "daemon/core/driver.h"
 #include "daemon/sources/source.h"
+#include "daemon/stages/machine.h"
 
 namespace vdisp {
 
-/// Adds all stages that the configuration asks for. `config` has to outlive the driver: stages read live parameters from it.
+/// Adds all stages that the configuration asks for. `machine` and `config` have to outlive the driver: stages work with the one, and
+/// read live parameters from the other.
 /// Throws FormatError where sizes, calibration and parameters do not fit together.
-void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, const Config& config);
+void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& machine, const Config& config);
 
 }  // namespace vdisp

@@ -185,7 +185,8 @@ std::vector<CatalogueEntry> Client::topics(Time limit) {
   for (CatalogueEntry& entry : entries) {
     entry.name[sizeof entry.name - 1] = 0;
     for (int16_t& parent : entry.parents) {
-      if (parent < -1 || parent >= static_cast<int>(count)) parent = -1;
+      const int index = parent < -1 ? delayed_parent(parent) : parent;
+      if (index >= static_cast<int>(count)) parent = -1;
     }
   }
   return entries;

@@ -15,6 +15,7 @@ std::string_view name(Reason reason) {
     case Reason::few_points: return "few_points";
     case Reason::no_floor_line: return "no_floor_line";
     case Reason::no_pitch: return "no_pitch";
+    case Reason::no_last_image: return "no_last_image";
     case Reason::count: break;
   }
   return "unknown";
@@ -29,6 +30,7 @@ std::string_view describe(Reason reason) {
     case Reason::few_points: return "too few points in the v-disparity to look for a floor (minRansac)";
     case Reason::no_floor_line: return "no line in the v-disparity between anglefloorMin and anglefloorMax";
     case Reason::no_pitch: return "angRot = auto, and no pitch was measured";
+    case Reason::no_last_image: return "nothing was made of the last frame, or there was none";
     case Reason::count: break;
   }
   return "a reason this version does not know";

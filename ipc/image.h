@@ -51,6 +51,7 @@ enum class Reason : uint32_t {
   few_points,      ///< fewer v-disparity points than [Floor] minRansac
   no_floor_line,   ///< no line between anglefloorMin and anglefloorMax
   no_pitch,        ///< angRot = auto, and no pitch was measured
+  no_last_image,   ///< a delayed input: nothing was made of the last frame, or this is the first
   count            ///< number of reasons, not one of them
 };
 /// One word for files, one phrase for people.

@@ -37,11 +37,14 @@ struct FloorModel {
   uint32_t unused;
 };
 
+/// How CatalogueEntry::parents names an input that is of the frame before; twice gives the index back.
+constexpr int16_t delayed_parent(int entry) { return static_cast<int16_t>(-2 - entry); }
+
 /// One stage in the catalogue. Times in ns of the stage that made it; several topics of one stage share them.
 struct CatalogueEntry {
   char name[48];
   ImageSpec spec;
-  int16_t parents[4];  ///< indices into the catalogue, -1: none
+  int16_t parents[4];  ///< indices into the catalogue, -1: none, below: delayed_parent() of an index
   uint32_t stage;      ///< which stage of the tree made it: entries of one stage have the same number
   uint32_t watched;    ///< 1: a reader is attached
   uint64_t runs, invalid, drops;

@@ -15,15 +15,18 @@ namespace {
 std::string json_of(const std::vector<CatalogueEntry>& entries) {
   nlohmann::ordered_json topics = nlohmann::ordered_json::array();
   for (const CatalogueEntry& entry : entries) {
-    nlohmann::ordered_json parents = nlohmann::ordered_json::array();
+    nlohmann::ordered_json parents = nlohmann::ordered_json::array(), delayed = nlohmann::ordered_json::array();
+    const auto known = [&](int index) { return index >= 0 && index < static_cast<int>(entries.size()); };
     for (int parent : entry.parents) {
-      if (parent >= 0 && parent < static_cast<int>(entries.size())) parents.push_back(name_of(entries[parent]));
+      if (known(parent)) parents.push_back(name_of(entries[parent]));
+      if (known(delayed_parent(parent))) delayed.push_back(name_of(entries[delayed_parent(parent)]));
     }
     topics.push_back({{"topic", name_of(entry)},
                       {"pixel", name(entry.spec.pixel)},
                       {"width", entry.spec.width},
                       {"height", entry.spec.height},
                       {"parents", parents},
+                      {"delayed_parents", delayed},
                       {"stage", entry.stage},
                       {"watched", entry.watched != 0},
                       {"runs", entry.runs},

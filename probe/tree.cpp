@@ -23,8 +23,10 @@ struct Builder {
   std::string also(size_t entry) const {
     std::string text;
     for (size_t i = 1; i < std::size(entries[entry].parents); ++i) {
-      const int parent = entries[entry].parents[i];
-      if (known(parent)) text += (text.empty() ? "+ " : ", ") + std::string(name_of(entries[parent]));
+      const int parent = entries[entry].parents[i], of_last = delayed_parent(parent);
+      const std::string before = text.empty() ? "+ " : ", ";
+      if (known(parent)) text += before + std::string(name_of(entries[parent]));
+      if (known(of_last)) text += before + "last " + std::string(name_of(entries[of_last]));
     }
     return text;
   }

@@ -13,7 +13,7 @@ namespace vdisp {
 struct TreeLine {
   size_t entry;        ///< index into the catalogue
   std::string branch;  ///< what stands before the name: "| +- "
-  std::string also;    ///< its further inputs: "+ right"
+  std::string also;    ///< its further inputs: "+ right, last floor_model"
 };
 
 /// Depth first, children in the catalogue's order. `ascii`: for terminals without UTF-8, and for the window.

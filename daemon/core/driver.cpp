@@ -3,41 +3,35 @@
 #include "daemon/core/driver.h"
 
 #include <algorithm>
-#include <cstring>
-#include <iomanip>
-#include <ostream>
 
 #include "daemon/core/clock.h"
+#include "daemon/core/driver_parts.h"
 
 namespace vdisp {
-
-struct Driver::Slot {
-  std::unique_ptr<Outlet> outlet;
-  Image* image = nullptr;  // loaned in this step, not yet published
-  int publish_after = -1;  // the last stage of this step that reads it
-};
-
-struct Driver::Stage {
-  std::unique_ptr<ImageProcessor> processor;
-  std::vector<int> inputs, outputs;  // topics
-  Need need;
-  bool runs = false;  // in this step
-  StageTiming timing;
-  std::vector<const Image*> in;
-  std::vector<Image*> out;
-};
 
 Driver::Driver(uint64_t epoch) : epoch_(epoch) {}
 Driver::~Driver() = default;
 
+namespace {
+std::string words(const ImageSpec& spec) {
+  return std::string(name(spec.pixel)) + " " + std::to_string(spec.width) + "x" + std::to_string(spec.height);
+}
+}  // namespace
+
+const std::string& Driver::name_of(Handle input) const { return input.last < 0 ? topics_[input.topic].name : delayed_[input.last].name; }
+const ImageSpec& Driver::spec_of(Handle input) const { return input.last < 0 ? topics_[input.topic].spec : delayed_[input.last].spec; }
+
 std::string Driver::label(const Stage& stage) const {
   std::string text;
-  for (int input : stage.inputs) {
-    const ImageSpec& spec = topics_[input].spec;
-    text += (text.empty() ? " of " : ", ") + ("'" + topics_[input].name + "'") + " (" + std::string(name(spec.pixel)) + " " +
-            std::to_string(spec.width) + "x" + std::to_string(spec.height) + ")";
-  }
+  for (Handle input : stage.inputs)
+    text += (text.empty() ? " of " : ", ") + std::string(input.last < 0 ? "'" : "the last '") + name_of(input) + "' (" +
+            words(spec_of(input)) + ")";
   return text;
+}
+
+Handle Driver::last(const std::string& name, const ImageSpec& spec) {
+  delayed_.push_back({name, spec, -1, nullptr});
+  return {-1, static_cast<int>(delayed_.size()) - 1};
 }
 
 std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_ptr<ImageProcessor> processor, std::vector<Handle> inputs,
@@ -46,10 +40,14 @@ std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_
   stage.need = need;
   std::vector<ImageSpec> in;
   for (Handle input : inputs) {
-    if (input.topic < 0 || input.topic >= static_cast<int>(topics_.size()))
-      throw FormatError("stage '" + names.at(0) + "': an input does not exist yet; stages are added after their inputs");
-    stage.inputs.push_back(input.topic);
-    in.push_back(topics_[input.topic].spec);
+    const bool known = input.last < 0 ? input.topic >= 0 && input.topic < static_cast<int>(topics_.size())
+                                      : input.last < static_cast<int>(delayed_.size());
+    if (!known) throw FormatError("stage '" + names.at(0) + "': an input does not exist yet; stages are added after their inputs");
+    if (stage.inputs.empty() && input.last >= 0)
+      throw FormatError("stage '" + names.at(0) + "': its first input is the last '" + name_of(input) +
+                        "', needed is one of this frame: it gives frame and time");
+    stage.inputs.push_back(input);
+    in.push_back(spec_of(input));
   }
   for (const std::string& topic : names) {
     const bool taken = std::any_of(topics_.begin(), topics_.end(), [&](const Topic& t) { return t.name == topic; });
@@ -87,9 +85,35 @@ Handle Driver::add(const std::string& name, std::unique_ptr<ImageProcessor> stag
 }
 
 void Driver::connect(const OutletFactory& outlet) {
+  for (Stage& stage : stages_) {
+    for (size_t i = 0; i < stage.inputs.size(); ++i) {
+      Handle& input = stage.inputs[i];
+      if (input.last >= 0) input.topic = find_delayed(topics_[stage.outputs[0]].name, delayed_[input.last]);
+      for (int output : stage.outputs) topics_[output].parents[i] = input;
+    }
+  }
   for (size_t i = 0; i < topics_.size(); ++i) slots_[i].outlet = outlet(topics_[i].name, topics_[i].spec);
   catalogue_ = outlet("catalogue", record_spec<Catalogue>());
   heartbeat_ = outlet("heartbeat", record_spec<Heartbeat>());
+}
+
+/// Its topic. `reader`: the stage that reads it.
+int Driver::find_delayed(const std::string& reader, Delayed& delayed) {
+  const std::string who = "stage '" + reader + "' reads the last '" + delayed.name + "'";
+  std::string there;
+  for (size_t i = 0; i < topics_.size(); ++i) {
+    there += (there.empty() ? "" : ", ") + topics_[i].name;
+    if (topics_[i].name == delayed.name) delayed.topic = static_cast<int>(i);
+  }
+  if (delayed.topic < 0) throw FormatError(who + ", which nobody makes; there are " + there);
+  const ImageSpec& made = topics_[delayed.topic].spec;
+  if (made != delayed.spec) {
+    const bool records = made.pixel == Pixel::record && delayed.spec.pixel == Pixel::record;
+    const auto type = [&](const ImageSpec& spec) { return records ? " of type " + std::to_string(spec.record) : ""; };
+    throw FormatError(who + " as " + words(delayed.spec) + type(delayed.spec) + ", it is " + words(made) + type(made));
+  }
+  if (!delayed.image) delayed.image = std::make_unique<DelayedImage>(delayed.spec);
+  return delayed.topic;
 }
 
 void Driver::need_all() { need_all_ = true; }
@@ -106,14 +130,24 @@ void Driver::choose_stages() noexcept {
     stage.runs = need_all_ || stage.need == Need::always;
     for (int output : stage.outputs) stage.runs = stage.runs || slots_[output].outlet->watched();
   }
-  for (size_t i = stages_.size(); i-- > 0;) {
-    if (!stages_[i].runs) continue;
-    for (int input : stages_[i].inputs) stages_[topics_[input].stage].runs = true;
+  // Inputs are made further up, delayed ones anywhere: once more for each that begins to run by them.
+  for (bool again = true; again;) {
+    again = false;
+    for (size_t i = stages_.size(); i-- > 0;) {
+      if (!stages_[i].runs) continue;
+      for (Handle input : stages_[i].inputs) {
+        Stage& maker = stages_[topics_[input.topic].stage];
+        again = again || (input.last >= 0 && !maker.runs);
+        maker.runs = true;
+      }
+    }
   }
   for (size_t i = 0; i < stages_.size(); ++i) {
     if (!stages_[i].runs) continue;
     for (int output : stages_[i].outputs) slots_[output].publish_after = static_cast<int>(i);
-    for (int input : stages_[i].inputs) slots_[input].publish_after = static_cast<int>(i);
+    for (Handle input : stages_[i].inputs) {
+      if (input.last < 0) slots_[input.topic].publish_after = static_cast<int>(i);
+    }
   }
 }
 
@@ -129,6 +163,9 @@ Outcome Driver::step() noexcept {
     if (result == Outcome::invalid && stages_[i].inputs.empty()) outcome = Outcome::invalid;
     publish_after(static_cast<int>(i));
   }
+  for (Delayed& delayed : delayed_) {
+    if (delayed.image) delayed.image->end_step(outcome == Outcome::valid);
+  }
   ++steps_;
   if (outcome == Outcome::invalid) ++blind_steps_;
   step_total_ns_ += monotonic_ns() - start;
@@ -139,8 +176,9 @@ Outcome Driver::run(Stage& stage) noexcept {
   const int64_t start = monotonic_ns();
   const Image* blind = nullptr;
   for (size_t i = 0; i < stage.inputs.size(); ++i) {
-    stage.in[i] = slots_[stage.inputs[i]].image;
-    if (!blind && !stage.in[i]->valid()) blind = stage.in[i];
+    const Handle input = stage.inputs[i];
+    stage.in[i] = input.last < 0 ? slots_[input.topic].image : &delayed_[input.last].image->last();
+    if (!blind && input.last < 0 && !stage.in[i]->valid()) blind = stage.in[i];
   }
   for (size_t i = 0; i < stage.outputs.size(); ++i) {
     const int topic = stage.outputs[i];
@@ -178,123 +216,13 @@ void Driver::publish_after(int stage) noexcept {
 }
 
 void Driver::publish(Slot& slot) noexcept {
-  if (viewer_) viewer_(topics_[static_cast<size_t>(&slot - slots_.data())], *slot.image);
+  const auto topic = &slot - slots_.data();
+  for (Delayed& delayed : delayed_) {
+    if (delayed.topic == topic) delayed.image->keep(*slot.image);
+  }
+  if (viewer_) viewer_(topics_[static_cast<size_t>(topic)], *slot.image);
   slot.image = nullptr;
   slot.outlet->publish();
-}
-
-/// Median time from step to step over the last steps; 0 before the third.
-int64_t Driver::period_ns() const noexcept {
-  const size_t known = std::min<uint64_t>(steps_, step_starts_.size());
-  if (known < 3) return 0;
-  std::array<int64_t, 32> between;
-  for (size_t i = 1; i < known; ++i)
-    between[i - 1] = step_starts_[(steps_ - i) % step_starts_.size()] - step_starts_[(steps_ - i - 1) % step_starts_.size()];
-  std::nth_element(between.begin(), between.begin() + static_cast<long>((known - 1) / 2), between.begin() + static_cast<long>(known - 1));
-  return between[(known - 1) / 2];
-}
-
-void Driver::beat() noexcept {
-  const int64_t now = monotonic_ns();
-  const auto stamp = [&](Image& image, const ImageSpec& spec) {
-    Image::make(&image, spec);
-    image.sequence = steps_;
-    image.epoch = epoch_;
-    image.timestamp_ns = image.ready_ns = now;
-  };
-  const int64_t period = period_ns();
-  if (now - last_beat_ns_ >= 150'000'000) {
-    last_beat_ns_ = now;
-    Image& image = heartbeat_->loan();
-    stamp(image, record_spec<Heartbeat>());
-    Heartbeat& heartbeat = make_record<Heartbeat>(image);
-    heartbeat.steps = steps_;
-    heartbeat.now_ns = now;
-    heartbeat.period_ns = period;
-    heartbeat_->publish();
-  }
-  if (now - last_catalogue_ns_ >= 1'000'000'000) {
-    last_catalogue_ns_ = now;
-    Image& image = catalogue_->loan();
-    stamp(image, record_spec<Catalogue>());
-    Catalogue& catalogue = make_record<Catalogue>(image);
-    catalogue.period_ns = period;
-    fill_catalogue(catalogue);
-    catalogue_->publish();
-  }
-}
-
-void Driver::fill_catalogue(Catalogue& catalogue) const noexcept {
-  catalogue.steps = steps_;
-  catalogue.blind_steps = blind_steps_;
-  catalogue.step_mean_ns = steps_ ? step_total_ns_ / static_cast<int64_t>(steps_) : 0;
-  catalogue.count = static_cast<uint32_t>(std::min<size_t>(topics_.size(), Catalogue::capacity));
-  for (uint32_t i = 0; i < catalogue.count; ++i) {
-    const Topic& topic = topics_[i];
-    const StageTiming& timing = stages_[topic.stage].timing;
-    CatalogueEntry& entry = catalogue.entries[i];
-    topic.name.copy(entry.name, sizeof entry.name - 1);
-    entry.spec = topic.spec;
-    for (size_t p = 0; p < std::size(entry.parents); ++p)
-      entry.parents[p] = p < topic.parents.size() ? static_cast<int16_t>(topic.parents[p].topic) : int16_t{-1};
-    entry.stage = static_cast<uint32_t>(topic.stage);
-    entry.watched = slots_[i].outlet->watched();
-    entry.runs = timing.runs;
-    entry.invalid = timing.invalid;
-    entry.drops = slots_[i].outlet->drops();
-    entry.last_ns = timing.last_ns;
-    entry.mean_ns = timing.runs ? timing.total_ns / static_cast<int64_t>(timing.runs) : 0;
-    entry.max_ns = timing.max_ns;
-  }
-}
-
-StageTiming Driver::timing(Handle topic) const { return stages_.at(topics_.at(topic.topic).stage).timing; }
-
-uint64_t Driver::drops() const {
-  uint64_t sum = 0;
-  for (const Slot& slot : slots_) sum += slot.outlet ? slot.outlet->drops() : 0;
-  return sum;
-}
-
-void Driver::write_dot(std::ostream& out) const {
-  out << "digraph vdisp {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans\"];\n";
-  for (const Topic& topic : topics_) {
-    const bool always = stages_[topic.stage].need == Need::always;
-    out << "  \"" << topic.name << "\" [" << (always ? "style=bold" : "style=solid") << "];\n";
-    for (Handle parent : topic.parents) {
-      const Topic& from = topics_[parent.topic];
-      out << "  \"" << from.name << "\" -> \"" << topic.name << "\" [label=\"" << name(from.spec.pixel) << " " << from.spec.width << "x"
-          << from.spec.height << "\"];\n";
-    }
-  }
-  out << "}\n";
-}
-
-void Driver::write_profile(std::ostream& out) const {
-  std::vector<const Stage*> order;
-  int64_t total = 0;
-  for (const Stage& stage : stages_) {
-    order.push_back(&stage);
-    total += stage.timing.total_ns;
-  }
-  std::stable_sort(order.begin(), order.end(), [](auto* a, auto* b) { return a->timing.total_ns > b->timing.total_ns; });
-  const double seconds = static_cast<double>(step_total_ns_) * 1e-9;
-  out << std::fixed << std::setprecision(2) << "profile: " << steps_ << " steps, " << blind_steps_ << " blind, "
-      << (steps_ ? seconds * 1e3 / static_cast<double>(steps_) : 0.0) << " ms a step, "
-      << (seconds > 0 ? static_cast<double>(steps_) / seconds : 0.0) << " Hz inside the tree, overhead "
-      << (step_total_ns_ > 0 ? 100.0 * static_cast<double>(step_total_ns_ - total) / static_cast<double>(step_total_ns_) : 0.0) << " %\n";
-  for (const Stage* stage : order) {
-    const StageTiming& t = stage->timing;
-    out << "  " << std::left << std::setw(24) << topics_[stage->outputs[0]].name << std::right;
-    if (t.runs == 0) {
-      out << "  disabled (nobody watched)\n";
-      continue;
-    }
-    const double runs = static_cast<double>(t.runs);
-    out << std::setw(7) << (total ? 100.0 * static_cast<double>(t.total_ns) / static_cast<double>(total) : 0.0) << " %" << std::setw(10)
-        << static_cast<double>(t.total_ns) / runs * 1e-6 << " ms mean" << std::setw(10) << static_cast<double>(t.max_ns) * 1e-6 << " ms max"
-        << std::setw(9) << t.runs << " runs" << std::setw(7) << t.invalid << " invalid\n";
-  }
 }
 
 }  // namespace vdisp

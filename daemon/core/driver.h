@@ -19,9 +19,9 @@ namespace vdisp {
 
 enum class Need { on_demand, always };
 
-/// One topic of the tree.
+/// One topic of the tree. Where `last` is not -1 Driver::last() gave it: what the topic (known from connect() on) showed in the last frame.
 struct Handle {
-  int topic = -1;
+  int topic = -1, last = -1;
 };
 
 struct StageTiming {
@@ -53,7 +53,12 @@ class Driver {
   /// The same for a stage that makes one topic, as most do.
   Handle add(const std::string& name, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs = {}, Need need = Need::on_demand);
 
+  /// What the topic `name`, which may be added later, showed in the last frame: an input for add(), but not the first one. The only way
+  /// back. Its name and `spec` are checked in connect(). It may be blind (no_last_image where nothing was made), which does not make its
+  /// reader blind. Steps without a frame leave it as it is: its sequence tells its age.
+  Handle last(const std::string& name, const ImageSpec& spec);
   /// Gives each topic, and the driver's own `catalogue` and `heartbeat`, a way out. After this nothing allocates.
+  /// Throws FormatError where what last() was asked for is not made, or is something else.
   void connect(const OutletFactory& outlet);
   /// Every stage runs in every step, watched or not.
   void need_all();
@@ -83,18 +88,23 @@ class Driver {
  private:
   struct Stage;
   struct Slot;
+  struct Delayed;
   void choose_stages() noexcept;
   Outcome run(Stage& stage) noexcept;
   void publish(Slot& slot) noexcept;
   void publish_after(int stage) noexcept;
   void fill_catalogue(Catalogue& catalogue) const noexcept;
   int64_t period_ns() const noexcept;
+  int find_delayed(const std::string& reader, Delayed& delayed);
+  const std::string& name_of(Handle input) const;
+  const ImageSpec& spec_of(Handle input) const;
   std::string label(const Stage& stage) const;
 
   uint64_t epoch_;
   std::vector<Topic> topics_;
   std::vector<Slot> slots_;  // one for each topic
   std::vector<Stage> stages_;
+  std::vector<Delayed> delayed_;
   std::unique_ptr<Outlet> catalogue_, heartbeat_;
   Viewer viewer_;
   bool need_all_ = false;

@@ -34,6 +34,19 @@ Kernels plain_kernels() {
       .sum_near = plain::sum_near,
       .mark_above = plain::mark_above,
       .count_cells = plain::count_cells,
+      .match_row = plain::match_row,
+      .resolve_row = plain::resolve_row,
+      .shear_row = plain::shear_row,
+      .mirror_row = plain::mirror_row,
+      .texture_row = plain::texture_row,
+      .log_filter = plain::log_filter,
+      .mean3x3 = plain::mean3x3,
+      .median3x3 = plain::median3x3,
+      .speckle_label = plain::speckle_label,
+      .speckle_join = plain::speckle_join,
+      .speckle_refuse = plain::speckle_refuse,
+      .rectify = plain::rectify,
+      .debayer = plain::debayer,
   };
 }
 
@@ -60,6 +73,15 @@ Kernels kernels(std::string_view level) {
     choose_vdisparity(table);
     choose_line_search(table);
     choose_map(table);
+    choose_block_match(table);
+    choose_resolve(table);
+    choose_shear(table);
+    choose_texture(table);
+    choose_smooth(table);
+    choose_speckle_label(table);
+    choose_speckle_refuse(table);
+    choose_rectify(table);
+    choose_debayer(table);
     return table;
   }
   std::string names;

@@ -6,9 +6,17 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/kernels/block_match.h"
+#include "daemon/kernels/debayer.h"
 #include "daemon/kernels/line_search.h"
 #include "daemon/kernels/map.h"
 #include "daemon/kernels/prefilter.h"
+#include "daemon/kernels/rectify.h"
+#include "daemon/kernels/resolve.h"
+#include "daemon/kernels/shear.h"
+#include "daemon/kernels/smooth.h"
+#include "daemon/kernels/speckle.h"
+#include "daemon/kernels/texture.h"
 #include "daemon/kernels/vdisparity.h"
 
 namespace vdisp::kernels {
@@ -23,6 +31,18 @@ struct Kernels {
   SumNear* sum_near;
   MarkAbove* mark_above;
   CountCells* count_cells;
+  MatchRow* match_row;
+  ResolveRow* resolve_row;
+  ShearRow* shear_row;
+  MirrorRow* mirror_row;
+  TextureRow* texture_row;
+  LogFilter* log_filter;
+  Smooth3x3 *mean3x3, *median3x3;
+  SpeckleLabel* speckle_label;
+  SpeckleJoin* speckle_join;
+  SpeckleRefuse* speckle_refuse;
+  Rectify* rectify;
+  Debayer* debayer;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

@@ -19,5 +19,14 @@ void choose_prefilter(Kernels& table);
 void choose_vdisparity(Kernels& table);
 void choose_line_search(Kernels& table);
 void choose_map(Kernels& table);
+void choose_block_match(Kernels& table);
+void choose_resolve(Kernels& table);
+void choose_shear(Kernels& table);
+void choose_texture(Kernels& table);
+void choose_smooth(Kernels& table);
+void choose_speckle_label(Kernels& table);
+void choose_speckle_refuse(Kernels& table);
+void choose_rectify(Kernels& table);
+void choose_debayer(Kernels& table);
 
 }  // namespace vdisp::kernels

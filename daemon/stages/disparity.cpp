@@ -1,58 +1,27 @@
-// disparity.cpp: OpenCV's matchers behind SVS's parameters, and the reasons of the rejected pixels.
+// disparity.cpp: one of the matchers, told where the floor is expected, and the filter of speckles behind it.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/disparity.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 
 namespace vdisp {
-namespace {
-
-constexpr int sobel_cap = 31;  // StereoBM's own: contrast above it counts as this much
-
-cv::Mat mat(const Image& image, int type) {
-  return {image.spec.height, image.spec.width, type, const_cast<uint8_t*>(image.row<uint8_t>(0)), image.spec.stride()};
-}
-
-}  // namespace
-
-Disparity::Disparity(const Config& config) : config_(config), floor_check_(config) {
-  if (config.image_source.matcher == "opencv") {
-    block_ = cv::StereoBM::create();
-    block_->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);
-    block_->setPreFilterCap(sobel_cap);
+Disparity::Disparity(Machine& machine, const Config& config)
+    : machine_(machine), config_(config), expectation_(config), provisional_(machine, config) {
+  if (config.image_source.matcher == "bm") {
+    block_.emplace(machine, config);
   } else {
-    global_ = cv::StereoSGBM::create();
-    global_->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
-    global_->setPreFilterCap(63);
-    global_->setDisp12MaxDiff(1);
-  }
-  set_parameters();
-}
-
-void Disparity::set_parameters() {
-  const auto& p = config_.image_source;
-  if (block_) {
-    block_->setNumDisparities(p.ndisp);
-    block_->setMinDisparity(p.minDisparity);
-    block_->setBlockSize(p.corrsize);
-    block_->setTextureThreshold(0);  // asked in name_rejected(), the same for both matchers
-    block_->setUniquenessRatio(p.unique);
-  } else {
-    const int block = (p.corrsize / 2) | 1;
-    global_->setNumDisparities(p.ndisp);
-    global_->setMinDisparity(p.minDisparity);
-    global_->setBlockSize(block);
-    global_->setP1(8 * block * block);
-    global_->setP2(32 * block * block);
-    global_->setUniquenessRatio(p.unique);
+    opencv_.emplace(machine, config);
   }
 }
 
-ImageSpec Disparity::accept(const ImageSpec& left, const ImageSpec& right) {
+std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
+  if (in.size() != 2 && in.size() != 3)
+    throw FormatError("takes the two views and the last floor model, was given " + std::to_string(in.size()) + " images");
+  const ImageSpec &left = in[0], &right = in[1];
   require(left, Pixel::gray8, "the left image");
   require(right, Pixel::gray8, "the right image");
   require_same_size(left, right);
+  if (in.size() == 3) require(in[2], Pixel::record, "the last floor model");
   const auto& p = config_.image_source;
   const int search = p.ndisp + std::max(p.minDisparity, 0) + p.corrsize;
   if (left.width <= search)
@@ -62,115 +31,48 @@ ImageSpec Disparity::accept(const ImageSpec& left, const ImageSpec& right) {
     throw FormatError("the images have " + std::to_string(left.height) + " rows, the window corrsize needs more than " +
                       std::to_string(p.corrsize));
   const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
-  floor_check_.prepare(out);
-  return out;
+  if (block_) block_->prepare(out);
+  if (opencv_) opencv_->prepare(out);
+  provisional_.prepare(out);
+  speckles_.emplace(out.width, out.height);
+  return {out};
 }
 
-/// What OpenCV writes where it found nothing.
-int16_t Disparity::none() const { return static_cast<int16_t>((config_.image_source.minDisparity - 1) * 16); }
-
-bool Disparity::combine(const Image& left, const Image& right, Image& out) noexcept {
-  const auto& p = config_.image_source;
-  set_parameters();
-  cv::Mat result = mat(out, CV_16S);
-  const cv::Mat left_view = mat(left, CV_8U), right_view = mat(right, CV_8U);
+Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
+  Image& disparity = *out[0];
+  disparity.camera.min_disparity = config_.image_source.minDisparity;
+  disparity.camera.disparities = config_.image_source.ndisp;
   if (block_) {
-    block_->compute(left_view, right_view, result);
-    match_right(left_view, right_view);
+    match_blocks(*in[0], *in[1], in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr, disparity);
   } else {
-    global_->compute(left_view, right_view, result);
+    opencv_->match(*in[0], *in[1], disparity);
   }
-  measure_texture(left_view);
-  name_rejected(result);
-  if (block_) check_left_right(result);
-  out.camera.min_disparity = p.minDisparity;
-  out.camera.disparities = p.ndisp;
-  floor_check_.refuse(left_view, right_view, out);
-  refuse_speckles(result);
-  return true;
+  refuse_speckles(disparity);
+  return Outcome::valid;
 }
 
-/// Seen in a mirror the right view is the left one. StereoBM gives up where the search leaves the image, in the mirror at the right
-/// border: the views are continued there by their last column, so that it searches as far as there is something.
-void Disparity::match_right(const cv::Mat& left, const cv::Mat& right) {
-  const int beyond = right_border();
-  for (const auto& [view, mirrored] : {std::pair{&left, &left_mirrored_}, std::pair{&right, &right_mirrored_}}) {
-    mirrored->create(view->rows, view->cols + beyond, CV_8U);
-    cv::Mat inside = mirrored->colRange(beyond, mirrored->cols);
-    cv::flip(*view, inside, 1);
-    for (int v = 0; v < view->rows; ++v) std::fill_n(mirrored->ptr(v), beyond, view->ptr(v)[view->cols - 1]);
-  }
-  block_->compute(right_mirrored_, left_mirrored_, from_right_);
+void Disparity::match_blocks(const Image& left, const Image& right, const FloorModel* last, Image& out) noexcept {
+  const bool align = config_.image_source.align == "floor";
+  std::optional<ExpectedFloor> floor;
+  if (align) floor = expectation_.expect(out, last);
+  block_->match(left, right, floor ? &*floor : nullptr, out);
+  if (!align || floor) return;
+  // Nothing is known of the floor: what this first look shows of it serves a second one.
+  floor = expectation_.expect(out, provisional_.find(out));
+  if (floor) block_->match(left, right, &*floor, out);
 }
 
-int Disparity::right_border() const {
-  const auto& p = config_.image_source;
-  return std::max(p.ndisp + p.minDisparity, 0) + p.corrsize;
-}
-
-/// The sum over the window that thresh is compared with.
-void Disparity::measure_texture(const cv::Mat& left) {
-  cv::Sobel(left, gradient_, CV_16S, 1, 0, 3);
-  cv::convertScaleAbs(gradient_, gradient_);
-  cv::min(gradient_, sobel_cap, gradient_);
-  const int window = config_.image_source.corrsize;
-  cv::boxFilter(gradient_, texture_, CV_32S, {window, window}, {-1, -1}, false);
-}
-
-/// Replaces OpenCV's one value for "nothing" by the reason, and refuses what has too little texture to be trusted.
-void Disparity::name_rejected(cv::Mat& disparity) const {
-  const auto& p = config_.image_source;
-  const int threshold = p.thresh * p.corrsize * p.corrsize / 2;
-  // What no window or search can reach. Semi-global matching has no window to speak of, but the same search.
-  const int border = block_ ? p.corrsize / 2 : 0;
-  const int left = border + std::max(p.minDisparity + p.ndisp - 1, 0);
-  const int right = disparity.cols - border + std::min(p.minDisparity, 0);
-  for (int v = 0; v < disparity.rows; ++v) {
-    int16_t* d = disparity.ptr<int16_t>(v);
-    const int32_t* texture = texture_.ptr<int32_t>(v);
-    const bool row_outside = v < border || v >= disparity.rows - border;
-    for (int u = 0; u < disparity.cols; ++u) {
-      if (d[u] <= none() && (row_outside || u < left || u >= right)) {
-        d[u] = rejected(Rejected::outside);
-      } else if (texture[u] < threshold) {
-        d[u] = rejected(Rejected::low_texture);
-      } else if (d[u] <= none()) {
-        // Of block matching only the uniqueness filter is left; StereoSGBM does not say which of its two it was.
-        d[u] = rejected(block_ ? Rejected::not_unique : Rejected::matcher);
-      }
-    }
-  }
-}
-
-void Disparity::check_left_right(cv::Mat& disparity) const {
-  const int columns = disparity.cols, mirror = right_border() + columns - 1;
-  for (int v = 0; v < disparity.rows; ++v) {
-    int16_t* d = disparity.ptr<int16_t>(v);
-    const int16_t* back = from_right_.ptr<int16_t>(v);
-    for (int u = 0; u < columns; ++u) {
-      if (rejected_code(d[u])) continue;
-      const int there = u - ((d[u] + 8) >> 4);
-      const bool seen = there >= 0 && there < columns;
-      // What the right view could not match itself is not confirmed either.
-      if (!seen || std::abs(back[mirror - there] - d[u]) > 16) d[u] = rejected(Rejected::left_right);
-    }
-  }
-}
-
-void Disparity::refuse_speckles(cv::Mat& disparity) {
+void Disparity::refuse_speckles(Image& out) noexcept {
   const auto& p = config_.image_source;
   if (p.SpeckleSize == 0) return;
-  disparity.copyTo(before_);
-  // The filter takes every value but `newVal` for a disparity: what is rejected already must not make regions.
-  disparity.setTo(none(), disparity < rejected_base);
-  cv::filterSpeckles(disparity, none(), p.SpeckleSize, p.SpeckleDiff * 4, speckles_);
-  for (int v = 0; v < disparity.rows; ++v) {
-    int16_t* d = disparity.ptr<int16_t>(v);
-    const int16_t* before = before_.ptr<int16_t>(v);
-    for (int u = 0; u < disparity.cols; ++u) {
-      if (d[u] == none()) d[u] = rejected_code(before[u]) ? before[u] : rejected(Rejected::speckle);
-    }
-  }
+  constexpr int least_band = 64;  // rows: joining bands has its price too
+  const auto& k = machine_.kernels;
+  const kernels::SpeckleRule rule{rejected_base, rejected(Rejected::speckle), p.SpeckleDiff * 4, p.SpeckleSize};
+  const kernels::Plane<int16_t> plane{out.row<int16_t>(0), out.spec.width, out.spec.height,
+                                      static_cast<ptrdiff_t>(out.spec.stride() / sizeof(int16_t))};
+  machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_label(plane, rule, first, last, *speckles_); });
+  k.speckle_join(plane, rule, *speckles_);
+  machine_.bands.run(plane.height, least_band, [&](int first, int last, int) { k.speckle_refuse(rule, first, last, *speckles_, plane); });
 }
 
 }  // namespace vdisp

@@ -2,48 +2,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <opencv2/calib3d.hpp>
+#include <optional>
 
-#include "config/config.h"
 #include "daemon/core/processor.h"
-#include "daemon/stages/floor_check.h"
+#include "daemon/stages/block_matcher.h"
+#include "daemon/stages/opencv_matcher.h"
 
 namespace vdisp {
 
-/// Two gray8 of one size to disparity16 (1/16 px). Nothing else in the program knows which matcher it stands on.
-///
-/// What the parameters of SVS (paper table 3) become in OpenCV:
-///   ndisp, minDisparity      the same
-///   corrsize                 StereoBM: window. StereoSGBM: block of corrsize / 2, made odd
-///   thresh                   the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same
-///                            number means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
-///   unique                   uniquenessRatio
-///   left/right check         StereoBM: the right view is matched too, and has to lead back within 1 px; OpenCV's own check passes what
-///                            no other pixel claims, as on a blank sky. StereoSGBM: disp12MaxDiff = 1
-///   SpeckleSize, SpeckleDiff cv::filterSpeckles with maxDiff = SpeckleDiff / 4 px
-class Disparity final : public BinaryOperator {
+/// Two gray8 of one size, and with three inputs the floor model of the last frame, to disparity16 (1/16 px). Nothing else in the program
+/// knows which matcher it stands on.
+class Disparity final : public ImageProcessor {
  public:
-  explicit Disparity(const Config& config);
-  ImageSpec accept(const ImageSpec& left, const ImageSpec& right) override;
-  bool combine(const Image& left, const Image& right, Image& out) noexcept override;
+  Disparity(Machine& machine, const Config& config);
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
-  void set_parameters();
-  int16_t none() const;
-  int right_border() const;
-  void match_right(const cv::Mat& left, const cv::Mat& right);
-  void measure_texture(const cv::Mat& left);
-  void name_rejected(cv::Mat& disparity) const;
-  void check_left_right(cv::Mat& disparity) const;
-  void refuse_speckles(cv::Mat& disparity);
+  void match_blocks(const Image& left, const Image& right, const FloorModel* last, Image& out) noexcept;
+  void refuse_speckles(Image& out) noexcept;
 
+  Machine& machine_;
   const Config& config_;
-  cv::Ptr<cv::StereoBM> block_;  // one of the two is set
-  cv::Ptr<cv::StereoSGBM> global_;
-  cv::Mat left_mirrored_, right_mirrored_, from_right_;  // from_right_ is mirrored too
-  cv::Mat before_, speckles_;                            // work space of the speckle filter
-  cv::Mat gradient_, texture_;
-  FloorCheck floor_check_;
+  FloorExpectation expectation_;
+  ProvisionalFloor provisional_;
+  std::optional<BlockMatcher> block_;  // one of these is set
+  std::optional<OpenCvMatcher> opencv_;
+  std::optional<kernels::SpeckleScratch> speckles_;
 };
 
 }  // namespace vdisp

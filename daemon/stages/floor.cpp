@@ -23,7 +23,7 @@ Outcome Floor::process(std::span<const Image* const> in, std::span<Image* const>
   FloorModel& model = make_record<FloorModel>(*out[1]);
   model.model = FloorKind::line;
   model.pitch_rad = model.roll_rad = model.height_m = std::nan("");
-  size_ = kernels_.collect_points(plane<int16_t>(vdisparity), config_.floor.minVotes, points());
+  size_ = machine_.kernels.collect_points(plane<int16_t>(vdisparity), config_.floor.minVotes, points());
   model.points = static_cast<uint32_t>(size_);
 
   Line line{};
@@ -62,7 +62,7 @@ bool Floor::search(uint64_t seed, Line& best) noexcept {
     const Line line{slope, static_cast<double>(rows_[p]) - slope * static_cast<double>(columns_[p])};
     const float reach = static_cast<float>(config_.floor.distThres * std::sqrt(1 + slope * slope));
     const size_t count =
-        kernels_.count_near(points(), size_, static_cast<float>(line.slope), static_cast<float>(line.row0), reach, best_count);
+        machine_.kernels.count_near(points(), size_, static_cast<float>(line.slope), static_cast<float>(line.row0), reach, best_count);
     if (count > best_count) {
       best_count = count;
       best = line;
@@ -72,7 +72,8 @@ bool Floor::search(uint64_t seed, Line& best) noexcept {
 }
 
 kernels::NearSums Floor::sum_near(const Line& line) noexcept {
-  return kernels_.sum_near(points(), size_, line.slope, line.row0, config_.floor.distThres * std::sqrt(1 + line.slope * line.slope));
+  return machine_.kernels.sum_near(points(), size_, line.slope, line.row0,
+                                   config_.floor.distThres * std::sqrt(1 + line.slope * line.slope));
 }
 
 Floor::Line Floor::refine(Line line) noexcept {

@@ -6,7 +6,7 @@
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
-#include "daemon/kernels/kernels.h"
+#include "daemon/stages/machine.h"
 #include "ipc/records.h"
 
 namespace vdisp {
@@ -19,7 +19,7 @@ namespace vdisp {
 /// of a frame follow from its sequence number, so that a frame gives the same floor every time.
 class Floor final : public ImageProcessor {
  public:
-  explicit Floor(const Config& config) : config_(config) {}
+  Floor(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
@@ -33,8 +33,8 @@ class Floor final : public ImageProcessor {
   void describe(const Image& vdisparity, const Line& line, FloorModel& model) noexcept;
   kernels::Points points() { return {columns_.data(), rows_.data(), votes_.data()}; }
 
+  Machine& machine_;
   const Config& config_;
-  const kernels::Kernels kernels_ = kernels::kernels();
   std::vector<float> columns_, rows_, votes_;  // the points; sized once, size_ of them in use
   size_t size_ = 0;
 };

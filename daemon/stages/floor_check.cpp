@@ -34,29 +34,20 @@ inline uint8_t difference(const uint8_t* left, const uint8_t* right, int u, int 
 
 }  // namespace
 
-FloorCheck::FloorCheck(const Config& config) : config_(config), vdisparity_(config), floor_(config) {}
+FloorCheck::FloorCheck(Machine& machine, const Config& config) : config_(config), provisional_(machine, config) {}
 
 void FloorCheck::prepare(const ImageSpec& disparity) {
-  const ImageSpec votes = vdisparity_.accept(disparity);
-  votes_ = std::make_unique<BufferOutlet>(votes);
-  const auto floor = floor_.check(std::array{votes});
-  line_ = std::make_unique<BufferOutlet>(floor[0]);
-  model_ = std::make_unique<BufferOutlet>(floor[1]);
+  provisional_.prepare(disparity);
   shift_.resize(disparity.height);
   off_floor_.create(disparity.height, disparity.width, CV_8U);
   off_match_.create(disparity.height, disparity.width, CV_8U);
 }
 
 bool FloorCheck::find_floor(const Image& disparity) noexcept {
-  Image &votes = votes_->loan(), &line = line_->loan(), &model = model_->loan();
-  for (Image* image : {&votes, &line, &model}) image->describe_like(disparity);
-  vdisparity_.filter(disparity, votes);
-  const std::array<const Image*, 1> in{&votes};
-  const std::array<Image*, 2> out{&line, &model};
-  if (floor_.process(in, out) != Outcome::valid) return false;
-  const FloorModel& found = *model.row<FloorModel>(0);
+  const FloorModel* found = provisional_.find(disparity);
+  if (!found) return false;
   for (size_t v = 0; v < shift_.size(); ++v) {
-    const double true_d = (static_cast<double>(v) - found.b) / (16 * found.a);
+    const double true_d = (static_cast<double>(v) - found->b) / (16 * found->a);
     shift_[v] = true_d > 0 ? static_cast<int>(std::lround(16 * (true_d + static_cast<double>(disparity.camera.cx_offset)))) : above_horizon;
   }
   return true;

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "daemon/stages/floor.h"
-#include "daemon/stages/vdisparity.h"
-#include "ipc/outlet.h"
+#include "config/config.h"
+#include "daemon/stages/provisional_floor.h"
 
 namespace vdisp {
 
@@ -18,7 +16,7 @@ namespace vdisp {
 /// is not unique.
 class FloorCheck {
  public:
-  explicit FloorCheck(const Config& config);
+  FloorCheck(Machine& machine, const Config& config);
   /// Reserves memory for images of this size.
   void prepare(const ImageSpec& disparity);
   /// `disparity` as matched so far, its header complete.
@@ -29,9 +27,7 @@ class FloorCheck {
   void measure(const cv::Mat& left, const cv::Mat& right, const Image& disparity) noexcept;
 
   const Config& config_;
-  VDisparity vdisparity_;
-  Floor floor_;
-  std::unique_ptr<BufferOutlet> votes_, line_, model_;
+  ProvisionalFloor provisional_;
   std::vector<int> shift_;  // of the floor, for each row, 1/16 px
   cv::Mat gradient_, left_gradient_, right_gradient_;
   cv::Mat off_floor_, off_match_, floor_cost_, match_cost_;

@@ -52,8 +52,8 @@ Outcome Map::process(std::span<const Image* const> in, std::span<Image* const> o
   map.grid = grid(disparity, pitch, map.spec);
   for (int row = 0; row < map.spec.height; ++row) std::memset(map.row<int16_t>(row), 0, map.spec.stride());
 
-  kernels_.count_cells(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0),
-                       ground(disparity, pitch, map.spec), plane<int16_t>(map), scratch_);
+  machine_.kernels.count_cells(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0),
+                               ground(disparity, pitch, map.spec), plane<int16_t>(map), scratch_);
   return Outcome::valid;
 }
 

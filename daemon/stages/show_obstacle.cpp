@@ -13,7 +13,8 @@ ImageSpec ShowObstacle::accept(const ImageSpec& disparity, const ImageSpec& limi
 }
 
 bool ShowObstacle::combine(const Image& disparity, const Image& limit, Image& out) noexcept {
-  kernels_.mark_above(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0), plane<uint8_t>(out));
+  machine_.kernels.mark_above(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0),
+                              plane<uint8_t>(out));
   return true;
 }
 

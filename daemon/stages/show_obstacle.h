@@ -3,18 +3,19 @@
 #pragma once
 
 #include "daemon/core/processor.h"
-#include "daemon/kernels/kernels.h"
+#include "daemon/stages/machine.h"
 
 namespace vdisp {
 
 /// disparity16 and line16 to mask8: 255 = obstacle, as `map` counts it.
 class ShowObstacle final : public BinaryOperator {
  public:
+  explicit ShowObstacle(Machine& machine) : machine_(machine) {}
   ImageSpec accept(const ImageSpec& disparity, const ImageSpec& limit) override;
   bool combine(const Image& disparity, const Image& limit, Image& out) noexcept override;
 
  private:
-  const kernels::Kernels kernels_ = kernels::kernels();
+  Machine& machine_;
 };
 
 }  // namespace vdisp

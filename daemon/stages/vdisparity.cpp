@@ -14,7 +14,7 @@ ImageSpec VDisparity::accept(const ImageSpec& in) {
 
 bool VDisparity::filter(const Image& in, Image& out) noexcept {
   const kernels::Search search = search_of(in.camera, out.spec.width);
-  kernels_.count_votes(plane<int16_t>(in), 0, in.spec.height, search, plane<int16_t>(out), scratch_.data());
+  machine_.kernels.count_votes(plane<int16_t>(in), 0, in.spec.height, search, plane<int16_t>(out), scratch_.data());
   return true;
 }
 

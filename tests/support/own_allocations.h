@@ -9,7 +9,7 @@ namespace vdisp {
 
 struct Allocations {
   uint64_t own = 0;     ///< from our code
-  uint64_t opencv = 0;  ///< from inside OpenCV: the matchers and remap take work space in every call
+  uint64_t opencv = 0;  ///< from inside OpenCV: the matchers take work space in every call
   std::string first;    ///< who made the first of our own, innermost first
 };
 

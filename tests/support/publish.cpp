@@ -44,11 +44,15 @@ struct Map final : ImageFilter {
   }
 };
 
-struct Floor final : ImageFilter {
-  ImageSpec accept(const ImageSpec&) override { return record_spec<FloorModel>(); }
-  bool filter(const Image&, Image& out) noexcept override {
-    make_record<FloorModel>(out).state = FloorState::found;
-    return true;
+/// Counts its frames by looking at what it made of the last one.
+struct Floor final : ImageProcessor {
+  std::vector<ImageSpec> check(std::span<const ImageSpec>) override { return {record_spec<FloorModel>()}; }
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override {
+    const FloorModel* last = in[1]->valid() ? record_of<FloorModel>(*in[1]) : nullptr;
+    FloorModel& model = make_record<FloorModel>(*out[0]);
+    model.state = FloorState::found;
+    model.points = last ? last->points + 1 : 0;
+    return Outcome::valid;
   }
 };
 
@@ -65,7 +69,7 @@ int run(double rate, long frames, const ShmOptions& options) {
   Driver driver(static_cast<uint64_t>(std::time(nullptr)) << 20 | static_cast<uint64_t>(getpid()));
   const Handle left = driver.add("left", std::make_unique<Camera>(), {}, Need::always);
   driver.add("copy", std::make_unique<Copy>(), {left});
-  driver.add("floor_model", std::make_unique<Floor>(), {left}, Need::always);
+  driver.add("floor_model", std::make_unique<Floor>(), {left, driver.last("floor_model", record_spec<FloorModel>())}, Need::always);
   driver.add("map", std::make_unique<Map>(), {left}, Need::always);
   TopicList topics;
   for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);

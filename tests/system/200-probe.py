@@ -91,9 +91,11 @@ class Probe(ProgramTest):
         topics = {t["topic"]: t for t in json.loads(run("vdisp-probe", "list", "--json").stdout)}
         self.assertEqual(list(topics), ["left", "copy", "floor_model", "map"])
         self.assertEqual((topics["map"]["pixel"], topics["map"]["width"], topics["map"]["height"]), ("count16", 51, 50))
-        self.assertEqual(topics["copy"]["parents"], ["left"])
+        self.assertEqual((topics["copy"]["parents"], topics["copy"]["delayed_parents"]), (["left"], []))
+        self.assertEqual((topics["floor_model"]["parents"], topics["floor_model"]["delayed_parents"]), (["left"], ["floor_model"]))
         lines = run("vdisp-probe", "list", env={**os.environ, "LC_ALL": "C"}).stdout.splitlines()
         self.assertRegex(lines[2], r"^\|-copy +gray8 640x480 ")
+        self.assertRegex(lines[3], r"^\|-floor_model .* \+ last floor_model$")
 
     def test_stats_counts_and_its_json_is_one_line(self):
         self.publisher()

@@ -356,6 +356,8 @@ TEST_F(ConfigFile, contradictions_are_refused_where_the_last_of_their_values_sta
             "t.cfg:4: ndisp = 128 with minDisparity = 32 and corrsize = 11 needs 171 columns, must fit width = 160\n");
   EXPECT_EQ(complaints("[image source]\nsource=sim\nwidth=320\n"),
             "t.cfg:3: width = 320, must be 0 or the size of the simulated images: [sim] width = 640\n");
+  EXPECT_EQ(complaints("[image source]\nsource=sim\nbayer=rggb\n"),
+            "t.cfg:3: bayer = rggb with source = sim, must be none: its images are grey\n");
   EXPECT_NE(complaints("[image source]\nheight=8\n"), "");
   EXPECT_NE(complaints("[main]\nname=\"\"\n"), "");
   EXPECT_EQ(complaints("[main]\nname=a,b\n"), "t.cfg:2: name = a,b, must be without commas, blanks and control characters\n");

@@ -15,6 +15,7 @@ namespace {
 constexpr int width = 200, height = 80;
 
 struct DisparityTest : testing::TestWithParam<const char*> {
+  Machine machine;
   Config config;
   Picture left{Pixel::gray8, width, height}, right{Pixel::gray8, width, height};
   std::vector<std::unique_ptr<Picture>> out;
@@ -29,7 +30,7 @@ struct DisparityTest : testing::TestWithParam<const char*> {
     right.fill<uint8_t>([&](int v, int u) { return texture[static_cast<size_t>(v * 512 + u + 100 + shift)]; });
   }
   Outcome match() {
-    Disparity stage(config);
+    Disparity stage(machine, config);
     return run_stage(stage, {&left, &right}, out);
   }
   int16_t at(int v, int u) { return out.at(0)->at<int16_t>(v, u); }
@@ -110,13 +111,17 @@ TEST_P(DisparityTest, narrow_images_are_refused_while_building) {
 }
 
 TEST_P(DisparityTest, images_of_two_sizes_are_refused) {
-  Disparity stage(config);
-  EXPECT_THROW(stage.accept(left.spec(), {Pixel::gray8, 0, 100, 80}), FormatError);
-  EXPECT_THROW(stage.accept(left.spec(), {Pixel::disparity16, 0, width, height}), FormatError);
+  Disparity stage(machine, config);
+  EXPECT_THROW(stage.check(std::array{left.spec(), ImageSpec{Pixel::gray8, 0, 100, 80}}), FormatError);
+  EXPECT_THROW(stage.check(std::array{left.spec(), ImageSpec{Pixel::disparity16, 0, width, height}}), FormatError);
+  EXPECT_THROW(stage.check(std::array{left.spec(), left.spec(), left.spec()}), FormatError);
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("opencv", "opencv-sgbm"),
-                         [](const auto& test) { return test.param == std::string("opencv") ? "bm" : "sgbm"; });
+INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("bm", "opencv", "opencv-sgbm"), [](const auto& test) {
+  std::string name = test.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 struct BlockMatchingTest : DisparityTest {};
 
@@ -143,38 +148,67 @@ TEST_P(BlockMatchingTest, a_higher_thresh_rejects_more_for_texture) {
   EXPECT_GT(last, 1000);
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("opencv"));
+INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("bm", "opencv"));
 
 TEST(Rectify, without_calibration_the_image_passes_unchanged) {
+  Machine machine;
   Config config;
   Picture in(Pixel::gray8, 33, 5);
   in.fill<uint8_t>([](int v, int u) { return static_cast<uint8_t>(7 * v + u); });
   std::vector<std::unique_ptr<Picture>> out;
-  Rectify stage(Side::left, std::nullopt, config);
+  Rectify stage(Side::left, std::nullopt, machine, config);
   ASSERT_EQ(run_stage(stage, {&in}, out), Outcome::valid);
   EXPECT_EQ(out[0]->at<uint8_t>(4, 32), 60);
   EXPECT_EQ(out[0]->image().camera.f, 0);
 }
 
+TEST(Rectify, a_mosaic_is_grey_before_it_is_rectified) {
+  const std::array colours{200.0, 120.0, 40.0};  // red, green, blue
+  Calibration same;
+  RawCamera camera;
+  camera.k = camera.rectification = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  camera.projection = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  same.raw = {camera, camera};
+  const std::vector<std::pair<std::string, std::array<size_t, 4>>> patterns{
+      {"rggb", {0, 1, 1, 2}}, {"bggr", {2, 1, 1, 0}}, {"grbg", {1, 0, 2, 1}}, {"gbrg", {1, 2, 0, 1}}};
+  for (const auto& [word, colour] : patterns) {
+    for (const auto& calibration : {std::optional<Calibration>(), std::optional<Calibration>(same)}) {
+      Config config;
+      config.image_source.bayer = word;
+      Picture in(Pixel::gray8, 70, 20);
+      in.fill<uint8_t>([&](int v, int u) { return static_cast<uint8_t>(colours[colour[static_cast<size_t>(v % 2 * 2 + u % 2)]]); });
+      std::vector<std::unique_ptr<Picture>> out;
+      Machine machine;
+      Rectify stage(Side::left, calibration, machine, config);
+      ASSERT_EQ(run_stage(stage, {&in}, out), Outcome::valid);
+      for (int v = 0; v < 20; ++v)
+        for (int u = 0; u < 70; ++u)
+          ASSERT_NEAR(out[0]->at<uint8_t>(v, u), 0.299 * 200 + 0.587 * 120 + 0.114 * 40, 1) << word << v << ' ' << u;
+    }
+  }
+}
+
 TEST(Rectify, another_size_than_the_calibrations_or_the_configured_is_refused) {
+  Machine machine;
   Config config;
   Calibration calibration;
   calibration.width = 320;
   calibration.height = 240;
   calibration.format = "OpenCV";
   try {
-    Rectify(Side::left, calibration, config).accept({Pixel::gray8, 0, 640, 480});
+    Rectify(Side::left, calibration, machine, config).accept({Pixel::gray8, 0, 640, 480});
     FAIL();
   } catch (const FormatError& error) {
     EXPECT_STREQ(error.what(), "the images are 640x480, the calibration (OpenCV) is for 320x240");
   }
   config.image_source.width = 640;
   config.image_source.height = 480;
-  EXPECT_THROW(Rectify(Side::left, std::nullopt, config).accept({Pixel::gray8, 0, 320, 240}), FormatError);
+  EXPECT_THROW(Rectify(Side::left, std::nullopt, machine, config).accept({Pixel::gray8, 0, 320, 240}), FormatError);
 }
 
 TEST(Rectify, a_camera_turned_by_rectification_sees_the_world_moved) {
   // A rotation about Y by alpha moves what is at the centre by f tan(alpha).
+  Machine machine;
   Config config;
   Calibration calibration;
   const double f = 200, alpha = 0.05;
@@ -187,7 +221,7 @@ TEST(Rectify, a_camera_turned_by_rectification_sees_the_world_moved) {
   Picture in(Pixel::gray8, 200, 100);
   in.fill<uint8_t>([](int, int u) { return static_cast<uint8_t>(u); });
   std::vector<std::unique_ptr<Picture>> out;
-  Rectify stage(Side::right, calibration, config);
+  Rectify stage(Side::right, calibration, machine, config);
   ASSERT_EQ(run_stage(stage, {&in}, out), Outcome::valid);
   EXPECT_NEAR(out[0]->at<uint8_t>(50, 110), 100, 1);  // rectified (x, z) = R (0, 1): x / z = tan(alpha), 10 px to the right
   EXPECT_FLOAT_EQ(out[0]->image().camera.f, 200);

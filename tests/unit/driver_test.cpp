@@ -9,6 +9,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/count_allocations.h"
+
 namespace vdisp {
 namespace {
 
@@ -61,6 +63,9 @@ struct DriverTest : testing::Test {
     camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
     near = driver.add("near", std::make_unique<AddOne>(&near_runs), {camera});
     far = driver.add("far", std::make_unique<AddOne>(&far_runs), {near});
+    connect();
+  }
+  void connect() {
     driver.connect([this](const std::string& topic, const ImageSpec& s) {
       auto outlet = std::make_unique<BufferOutlet>(s);
       outlets[topic] = outlet.get();
@@ -181,6 +186,274 @@ TEST_F(DriverTest, dot_and_profile_name_the_stages) {
   driver.write_profile(profile);
   EXPECT_NE(dot.str().find("\"near\" -> \"far\" [label=\"gray8 8x4\"]"), std::string::npos);
   EXPECT_NE(profile.str().find("far                       disabled"), std::string::npos) << profile.str();
+}
+
+/// A stage that looks back: what it saw of the last frame.
+struct LookBack final : ImageProcessor {
+  struct Seen {
+    bool valid;
+    Reason reason;
+    uint64_t age;
+    int pixel;
+  };
+  std::vector<Seen>* seen;
+  explicit LookBack(std::vector<Seen>* list) : seen(list) { seen->reserve(1000); }
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override { return {in[0]}; }
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override {
+    const Image& last = *in[1];
+    seen->push_back({last.valid(), last.reason, out[0]->sequence - last.sequence, last.valid() ? *last.row<uint8_t>(0) : -1});
+    *out[0]->row<uint8_t>(0) = *in[0]->row<uint8_t>(0);
+    return Outcome::valid;
+  }
+};
+
+/// Blind in some frames, by the number in the image.
+struct Sometimes final : ImageFilter {
+  int* runs;
+  int blind;
+  Sometimes(int* counter, int blind_frame) : runs(counter), blind(blind_frame) {}
+  ImageSpec accept(const ImageSpec& in) override { return in; }
+  bool filter(const Image& in, Image& out) noexcept override {
+    ++*runs;
+    const int frame = *in.row<uint8_t>(0);
+    *out.row<uint8_t>(0) = static_cast<uint8_t>(frame + 100);
+    if (frame == blind) out.reason = Reason::no_floor_line;
+    return frame != blind;
+  }
+};
+
+/// camera -> back -> model, and back reads the last model.
+struct DelayedTest : DriverTest {
+  std::vector<LookBack::Seen> seen;
+  int model_runs = 0;
+  Handle back, model;
+
+  void build_loop(int blind_frame = -1, const std::string& name = "model", const ImageSpec& as = spec) {
+    camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+    back = driver.add("back", std::make_unique<LookBack>(&seen), {camera, driver.last(name, as)});
+    model = driver.add("model", std::make_unique<Sometimes>(&model_runs, blind_frame), {back});
+    connect();
+  }
+  void steps(int count) {
+    for (int i = 0; i < count; ++i) driver.step();
+  }
+};
+
+TEST_F(DelayedTest, a_stage_reads_what_was_made_of_the_last_frame_further_down) {
+  build_loop();
+  driver.need_all();
+  steps(3);
+  ASSERT_EQ(seen.size(), 3u);
+  EXPECT_FALSE(seen[0].valid);
+  EXPECT_EQ(seen[0].reason, Reason::no_last_image);
+  EXPECT_TRUE(image("back").valid()) << "a blind delayed image does not make its reader blind";
+  for (int frame : {1, 2}) {
+    EXPECT_TRUE(seen[static_cast<size_t>(frame)].valid);
+    EXPECT_EQ(seen[static_cast<size_t>(frame)].pixel, 100 + frame - 1);
+    EXPECT_EQ(seen[static_cast<size_t>(frame)].age, 1u);
+  }
+}
+
+TEST_F(DelayedTest, the_last_image_is_the_drivers_own_and_not_what_was_published) {
+  build_loop();
+  driver.need_all();
+  steps(1);
+  *outlets["model"]->loan().row<uint8_t>(0) = 0;  // what a published block holds by now is nobody's business
+  steps(1);
+  EXPECT_EQ(seen[1].pixel, 100);
+}
+
+TEST_F(DelayedTest, a_blind_maker_is_a_blind_last_image_with_its_reason) {
+  build_loop(1);
+  driver.need_all();
+  steps(4);
+  EXPECT_TRUE(seen[1].valid);
+  EXPECT_FALSE(seen[2].valid);
+  EXPECT_EQ(seen[2].reason, Reason::no_floor_line);
+  EXPECT_EQ(seen[2].age, 1u);
+  EXPECT_TRUE(seen[3].valid);
+}
+
+TEST_F(DelayedTest, a_step_without_a_frame_leaves_it_as_it_is_and_the_sequence_tells_the_age) {
+  source->bad = 1;
+  build_loop();
+  driver.need_all();
+  steps(3);  // the second is blind: nobody runs
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_TRUE(seen[1].valid);
+  EXPECT_EQ(seen[1].pixel, 100);
+  EXPECT_EQ(seen[1].age, 2u);
+}
+
+TEST_F(DelayedTest, a_running_reader_makes_the_maker_run) {
+  build_loop();
+  steps(1);
+  EXPECT_EQ(model_runs, 0) << "nobody watches";
+  outlets["back"]->watch(true);
+  steps(2);
+  EXPECT_EQ(model_runs, 2);
+  EXPECT_FALSE(seen[0].valid) << "the maker did not run in the step before";
+  EXPECT_TRUE(seen[1].valid);
+  outlets["back"]->watch(false);
+  steps(1);
+  outlets["back"]->watch(true);
+  steps(1);
+  EXPECT_EQ(seen[2].reason, Reason::no_last_image) << "an image of longer ago is not handed out";
+}
+
+TEST_F(DelayedTest, the_maker_gets_its_own_inputs_also_where_nobody_else_needs_them) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  back = driver.add("back", std::make_unique<LookBack>(&seen), {camera, driver.last("far", spec)});
+  near = driver.add("near", std::make_unique<AddOne>(&near_runs), {camera});
+  far = driver.add("far", std::make_unique<AddOne>(&far_runs), {near});
+  connect();
+  outlets["back"]->watch(true);
+  steps(2);
+  EXPECT_EQ(near_runs, 2);
+  EXPECT_EQ(far_runs, 2);
+  EXPECT_EQ(seen[1].pixel, 2);
+}
+
+TEST_F(DelayedTest, chains_of_looking_back_run_all_their_makers) {
+  std::vector<LookBack::Seen> second;
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  driver.add("c", std::make_unique<AddOne>(&far_runs), {camera});
+  driver.add("b", std::make_unique<LookBack>(&second), {camera, driver.last("c", spec)});
+  driver.add("a", std::make_unique<LookBack>(&seen), {camera, driver.last("b", spec)});
+  driver.add("d", std::make_unique<AddOne>(&near_runs), {camera});
+  connect();
+  outlets["a"]->watch(true);
+  steps(2);
+  EXPECT_EQ(second.size(), 2u);
+  EXPECT_EQ(far_runs, 2);
+  EXPECT_EQ(near_runs, 0) << "nobody reads it";
+  EXPECT_TRUE(second[1].valid && seen[1].valid);
+}
+
+TEST_F(DelayedTest, who_runs_after_the_maker_still_gets_the_last_frame) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  near = driver.add("near", std::make_unique<AddOne>(&near_runs), {camera});
+  driver.add("back", std::make_unique<LookBack>(&seen), {near, driver.last("near", spec)});
+  driver.add("itself", std::make_unique<LookBack>(&seen), {camera, driver.last("itself", spec)});
+  connect();
+  driver.need_all();
+  steps(3);
+  EXPECT_EQ(seen[4].pixel, 2);  // near of the second frame
+  EXPECT_EQ(seen[5].pixel, 1);
+}
+
+TEST_F(DelayedTest, looking_back_holds_up_no_publication) {
+  build_loop();
+  driver.need_all();
+  steps(2);
+  EXPECT_EQ(published, (std::vector<std::string>{"camera", "back", "model", "camera", "back", "model"}));
+}
+
+TEST_F(DelayedTest, a_name_that_nobody_makes_is_refused_with_both_ends_and_those_there_are) {
+  try {
+    build_loop(-1, "modle");
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'modle', which nobody makes; there are camera, back, model");
+  }
+}
+
+TEST_F(DelayedTest, another_format_than_expected_is_refused_with_both) {
+  try {
+    build_loop(-1, "model", record_spec<FloorModel>());
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'model' as record 80x1, it is gray8 8x4");
+  }
+}
+
+TEST_F(DelayedTest, two_records_are_told_apart_by_type) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  driver.add("back", std::make_unique<LookBack>(&seen), {camera, driver.last("record", record_spec<Heartbeat>())});
+  driver.add("record", std::make_unique<ToRecord>(), {camera});
+  try {
+    connect();
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'record' as record 32x1 of type 3, it is record 80x1 of type 1");
+  }
+}
+
+TEST_F(DelayedTest, the_first_input_is_of_this_frame) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  try {
+    driver.add("back", std::make_unique<LookBack>(&seen), {driver.last("camera", spec), camera});
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(), "stage 'back': its first input is the last 'camera', needed is one of this frame: it gives frame and time");
+  }
+}
+
+TEST_F(DelayedTest, a_refused_stage_names_its_delayed_input) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  try {
+    driver.add("wrong", std::make_unique<AddOne>(&far_runs), {camera, driver.last("model", record_spec<FloorModel>())});
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(),
+                 "stage 'wrong' of 'camera' (gray8 8x4), the last 'model' (record 80x1): the input is record, needed is gray8");
+  }
+}
+
+TEST_F(DelayedTest, catalogue_and_graph_show_the_way_back) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  back = driver.add("back", std::make_unique<LookBack>(&seen), {camera, driver.last("model", spec)});
+  model = driver.add("model", std::make_unique<Sometimes>(&model_runs, -1), {back});
+  const std::string edge = "\"model\" -> \"back\" [label=\"gray8 8x4\", style=dashed";
+  std::ostringstream before, after;
+  driver.write_dot(before);  // main writes it before connect()
+  EXPECT_NE(before.str().find(edge), std::string::npos) << before.str();
+  connect();
+  driver.write_dot(after);
+  EXPECT_EQ(after.str(), before.str());
+  EXPECT_EQ(driver.topics()[1].parents[1].topic, model.topic);
+  steps(1);
+  driver.beat();
+  const Catalogue* catalogue = record_of<Catalogue>(image("catalogue"));
+  EXPECT_EQ(catalogue->entries[1].parents[0], 0);
+  EXPECT_EQ(catalogue->entries[1].parents[1], delayed_parent(2));
+  EXPECT_EQ(delayed_parent(catalogue->entries[1].parents[1]), 2);
+  EXPECT_LT(catalogue->entries[1].parents[1], -1) << "a reader that does not know it takes it for none";
+}
+
+TEST(DelayedRuns, two_runs_are_equal) {
+  const auto run = [](Driver& one) {
+    std::vector<LookBack::Seen> saw;
+    int runs = 0;
+    auto* camera_source = new Source;
+    camera_source->bad = 4;
+    const Handle first = one.add("camera", std::unique_ptr<ImageProcessor>(camera_source));
+    const Handle second = one.add("back", std::make_unique<LookBack>(&saw), {first, one.last("model", spec)});
+    one.add("model", std::make_unique<Sometimes>(&runs, 7), {second});
+    one.connect([](const std::string&, const ImageSpec& s) { return std::make_unique<BufferOutlet>(s); });
+    one.need_all();
+    for (int i = 0; i < 20; ++i) one.step();
+    std::vector<uint64_t> all;
+    for (const auto& s : saw) all.insert(all.end(), {s.valid, static_cast<uint64_t>(s.reason), s.age, static_cast<uint64_t>(s.pixel)});
+    return all;
+  };
+  Driver one(1), other(2);
+  const auto first = run(one);
+  EXPECT_EQ(first.size(), 19u * 4);
+  EXPECT_EQ(first, run(other));
+}
+
+TEST_F(DelayedTest, looking_back_takes_nothing_from_the_heap) {
+  build_loop(50);
+  driver.set_viewer(nullptr);
+  driver.need_all();
+  steps(2);
+  const uint64_t before = allocations_of_this_thread();
+  for (int i = 0; i < 100; ++i) {
+    driver.step();
+    driver.beat();
+  }
+  EXPECT_EQ(allocations_of_this_thread(), before);
 }
 
 }  // namespace

@@ -104,9 +104,16 @@ TEST(Tree, each_stage_stands_once_below_its_first_input_and_names_the_others) {
   EXPECT_EQ(lines[3].entry, 1u);
 }
 
+TEST(Tree, an_input_of_the_last_frame_is_said_to_be_one) {
+  const ImageSpec spec{Pixel::gray8, 0, 4, 4};
+  const std::vector<CatalogueEntry> entries{entry("a", spec), entry("b", spec, {0, delayed_parent(1), delayed_parent(0)})};
+  EXPECT_EQ(tree_of(entries, true).at(1).also, "+ last b, last a");
+}
+
 TEST(Tree, catalogue_that_makes_no_sense_still_shows_every_stage_once) {
   const ImageSpec spec{Pixel::gray8, 0, 4, 4};
-  const std::vector<CatalogueEntry> entries{entry("self", spec, {0}), entry("later", spec, {2}), entry("loop", spec, {1, 99, -7})};
+  const std::vector<CatalogueEntry> entries{entry("self", spec, {0}), entry("later", spec, {2}),
+                                            entry("loop", spec, {1, 99, -7, INT16_MIN})};
   std::set<size_t> seen;
   for (const TreeLine& line : tree_of(entries, false)) EXPECT_TRUE(seen.insert(line.entry).second);
   EXPECT_EQ(seen.size(), entries.size());

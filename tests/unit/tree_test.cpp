@@ -12,6 +12,7 @@ namespace {
 
 struct TreeTest : testing::Test {
   Config config;
+  Machine machine;
   Driver driver{1};
   std::map<std::string, BufferOutlet*> outlets;
 
@@ -20,7 +21,7 @@ struct TreeTest : testing::Test {
     config.sim.rate = 0;
   }
   void build() {
-    build_tree(driver, open_source(config), config);
+    build_tree(driver, open_source(config), machine, config);
     driver.connect([this](const std::string& topic, const ImageSpec& spec) {
       auto outlet = std::make_unique<BufferOutlet>(spec);
       outlets[topic] = outlet.get();

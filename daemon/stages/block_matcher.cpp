@@ -1,0 +1,147 @@
+// block_matcher.cpp: pre-filter, shear, match row by row, resolve.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/block_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdisp {
+namespace {
+
+constexpr int gradient_cap = 31;       // as in OpenCV's StereoBM: contrast above it counts as this much
+constexpr int floor_disparities = 16;  // searched around the floor expected
+constexpr int floor_margin = 50;       // percent the floor may fit worse than a match off it, and still refuse that
+constexpr int left_right_margin = 10;  // percent: where the right view is in doubt itself it refuses nothing
+constexpr int least_band = 32;         // rows: a band begins by summing a whole window
+
+kernels::View8 view_of(const Image& image) {
+  return {image.row<uint8_t>(0), image.spec.width, image.spec.height, static_cast<ptrdiff_t>(image.spec.stride())};
+}
+
+}  // namespace
+
+void BlockMatcher::Pixels::resize(int width, int height, int margin) {
+  const ptrdiff_t stride = (width + margin + 63) / 64 * 64;
+  memory.assign(static_cast<size_t>(stride) * height, uint8_t{gradient_cap});
+  plane = {memory.data(), width, height, stride};
+}
+
+void BlockMatcher::prepare(const ImageSpec& spec) {
+  for (Pixels* pixels : {&left_, &moved_, &unmirrored_}) pixels->resize(spec.width, spec.height, 0);
+  for (Pixels* pixels : {&right_, &sheared_}) pixels->resize(spec.width, spec.height, kernels::mirrored_margin);
+  row_ = static_cast<size_t>(spec.width + kernels::row_margin);
+  bands_.resize(static_cast<size_t>(machine_.bands.threads()));
+  for (Band& band : bands_) {
+    band.plain = {spec.width, config_.image_source.ndisp};
+    band.floor = {spec.width, floor_disparities};
+    band.candidates.resize(2 * 6 * row_);
+    band.texture.resize(2 * static_cast<size_t>(spec.width + kernels::texture_margin));
+  }
+}
+
+kernels::BlockSearch BlockMatcher::plain_search() const {
+  const auto& p = config_.image_source;
+  kernels::BlockSearch search;
+  search.window = p.corrsize;
+  search.cap = std::min(2 * gradient_cap, 255 / p.corrsize);
+  search.disparities = p.ndisp;
+  search.min_disparity = p.minDisparity;
+  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`.
+  search.unique = kernels::percent_factor(p.unique) * 4 / 5;
+  search.left_right = kernels::percent_factor(left_right_margin);
+  search.left = left_.plane;
+  search.right = right_.plane;
+  return search;
+}
+
+kernels::BlockSearch BlockMatcher::floor_search() const {
+  kernels::BlockSearch search = plain_search();
+  search.disparities = floor_disparities;
+  search.min_disparity = -floor_disparities / 2;
+  search.home = floor_disparities / 2;
+  search.right = sheared_.plane;
+  return search;
+}
+
+kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search, Band& band, int which) const {
+  uint16_t* row = band.candidates.data() + which * 6 * row_;
+  return {{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_, row + 5 * row_},
+          search.first_column(),
+          search.last_column(),
+          search.min_disparity};
+}
+
+void BlockMatcher::make_ready(const Image& left, const Image& right) noexcept {
+  const auto& k = machine_.kernels;
+  machine_.bands.run(left.spec.height, least_band, [&](int first, int last, int) {
+    k.x_sobel(view_of(left), gradient_cap, first, last, left_.plane);
+    k.x_sobel(view_of(right), gradient_cap, first, last, unmirrored_.plane);
+    for (int v = first; v < last; ++v) k.mirror_row(unmirrored_.plane.row(v), right.spec.width, right_.plane.row(v));
+  });
+}
+
+/// Rows from `first` on.
+void BlockMatcher::make_sheared(const Image& right, const ExpectedFloor& floor, int first_row) noexcept {
+  const auto& k = machine_.kernels;
+  const int height = right.spec.height;
+  machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
+    for (int v = first_row + first; v < first_row + last; ++v)
+      k.shear_row(right.row<uint8_t>(v), right.spec.width, floor.row(v), moved_.plane.row(v));
+  });
+  // The gradient of a row needs its neighbours.
+  machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
+    k.x_sobel(moved_.plane, gradient_cap, first_row + first, first_row + last, unmirrored_.plane);
+    for (int v = first_row + first; v < first_row + last; ++v)
+      k.mirror_row(unmirrored_.plane.row(v), right.spec.width, sheared_.plane.row(v));
+  });
+}
+
+void BlockMatcher::match(const Image& left, const Image& right, const ExpectedFloor* floor, Image& out) noexcept {
+  const int height = left.spec.height, reach = config_.image_source.corrsize / 2;
+  // Rows above the horizon have no floor; nor have those where it is too near for the search.
+  int floor_first = height;
+  if (floor) floor_first = std::clamp(static_cast<int>(std::ceil(floor->row0)), reach, height);
+  make_ready(left, right);
+  if (floor_first < height - reach) make_sheared(right, *floor, floor_first - reach);
+  machine_.bands.run(height, least_band, [&](int first, int last, int band) {
+    match_band(floor, floor_first, first, last, bands_[static_cast<size_t>(band)], out);
+  });
+}
+
+void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int first, int last, Band& band, Image& out) noexcept {
+  const auto& k = machine_.kernels;
+  const auto& p = config_.image_source;
+  const int width = out.spec.width, height = out.spec.height, reach = p.corrsize / 2;
+  const kernels::BlockSearch plain = plain_search(), aligned = floor_search();
+  const kernels::Hypothesis match = hypothesis(plain, band, 0), ground = hypothesis(aligned, band, 1);
+  kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
+  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
+  resolve.unique = plain.unique;
+  resolve.floor_margin = kernels::percent_factor(floor_margin);
+  resolve.outside = rejected(Rejected::outside);
+  resolve.low_texture = rejected(Rejected::low_texture);
+  resolve.not_unique = rejected(Rejected::not_unique);
+  resolve.left_right = rejected(Rejected::left_right);
+  uint16_t *columns = band.texture.data(), *texture = columns + width + kernels::texture_margin;
+
+  bool fresh = true, floor_fresh = true;
+  for (int v = first; v < last; ++v) {
+    int16_t* row = out.row<int16_t>(v);
+    if (v < reach || v >= height - reach) {
+      std::fill_n(row, width, resolve.outside);
+      continue;
+    }
+    k.texture_row(left_.plane, gradient_cap, p.corrsize, v, fresh, columns, texture);
+    k.match_row(plain, v, fresh, band.plain, match.candidates);
+    fresh = false;
+    if (v >= floor_first) {
+      k.match_row(aligned, v, floor_fresh, band.floor, ground.candidates);
+      floor_fresh = false;
+      k.resolve_row(resolve, match, &ground, floor->row(v), texture, row);
+    } else {
+      k.resolve_row(resolve, match, nullptr, {}, texture, row);
+    }
+  }
+}
+
+}  // namespace vdisp
