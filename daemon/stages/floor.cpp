@@ -37,8 +37,8 @@ Outcome Floor::process(std::span<const Image* const> in, std::span<Image* const>
     out[0]->reason = out[1]->reason = model.reason;
     return Outcome::invalid;
   }
-  line = refine(line);
-  describe(vdisparity, line, model);
+  const kernels::NearSums sums = refine(line);
+  describe(vdisparity, line, sums, model);
   int16_t* rows = out[0]->row<int16_t>(0);
   for (int column = 0; column < out[0]->spec.width; ++column) {
     const double row = std::clamp(line.slope * column + line.row0, -32000.0, 32000.0);
@@ -76,23 +76,28 @@ kernels::NearSums Floor::sum_near(const Line& line) noexcept {
                                    config_.floor.distThres * std::sqrt(1 + line.slope * line.slope));
 }
 
-Floor::Line Floor::refine(Line line) noexcept {
+/// Returns the sums of what lies near the refined line.
+kernels::NearSums Floor::refine(Line& line) noexcept {
+  const double least = std::tan(config_.floor.anglefloorMin), most = std::tan(config_.floor.anglefloorMax);
+  kernels::NearSums sums = sum_near(line);
   for (int round = 0; round < 3; ++round) {
-    const kernels::NearSums sums = sum_near(line);
     const double spread = sums.votes * sums.column_column - sums.column * sums.column;
-    if (spread <= 0) return line;
+    if (spread <= 0) return sums;
     const double slope = (sums.votes * sums.column_row - sums.column * sums.row) / spread;
     // A refinement that leaves the permitted angles is none.
-    if (!(slope > std::tan(config_.floor.anglefloorMin) && slope < std::tan(config_.floor.anglefloorMax))) return line;
-    line = {slope, (sums.row - slope * sums.column) / sums.votes};
+    if (!(slope > least && slope < most)) return sums;
+    const Line refined{slope, (sums.row - slope * sums.column) / sums.votes};
+    // The same line has the same points: there is nothing left to refine.
+    if (refined == line) return sums;
+    line = refined;
+    sums = sum_near(line);
   }
-  return line;
+  return sums;
 }
 
-void Floor::describe(const Image& vdisparity, const Line& line, FloorModel& model) noexcept {
+void Floor::describe(const Image& vdisparity, const Line& line, const kernels::NearSums& sums, FloorModel& model) noexcept {
   const CameraGeometry& g = vdisparity.camera;
   const StereoView view = stereo_view(vdisparity);
-  const kernels::NearSums sums = sum_near(line);
   model.points = static_cast<uint32_t>(sums.count);
   model.state = FloorState::found;
   model.confidence = sums.votes / sums.all;

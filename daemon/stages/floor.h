@@ -26,11 +26,12 @@ class Floor final : public ImageProcessor {
  private:
   struct Line {
     double slope, row0;  // row = slope * column + row0
+    bool operator==(const Line&) const = default;
   };
   bool search(uint64_t seed, Line& best) noexcept;
   kernels::NearSums sum_near(const Line& line) noexcept;
-  Line refine(Line line) noexcept;
-  void describe(const Image& vdisparity, const Line& line, FloorModel& model) noexcept;
+  kernels::NearSums refine(Line& line) noexcept;
+  void describe(const Image& vdisparity, const Line& line, const kernels::NearSums& sums, FloorModel& model) noexcept;
   kernels::Points points() { return {columns_.data(), rows_.data(), votes_.data()}; }
 
   Machine& machine_;
