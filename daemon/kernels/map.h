@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cmath>
-#include <vector>
 
+#include "daemon/kernels/aligned.h"
 #include "daemon/kernels/plane.h"
 #include "daemon/kernels/search.h"
 
@@ -39,8 +39,8 @@ struct Ground {
 struct GroundScratch {
   GroundScratch() = default;
   GroundScratch(int width, int columns);
-  std::vector<float> depth, across, drop;
-  std::vector<int32_t> cells, doubtful;
+  Aligned<float> depth, across, drop;
+  Aligned<int32_t> cells, doubtful;
 };
 
 /// map[cell] = how many pixels above the limit stand in it, at most 32767. `map` has ground.rows x ground.columns cells, rows and strides

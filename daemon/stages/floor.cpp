@@ -13,7 +13,7 @@ namespace vdisp {
 std::vector<ImageSpec> Floor::check(std::span<const ImageSpec> in) {
   if (in.size() != 1) throw FormatError("takes the v-disparity, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::count16, "the v-disparity");
-  for (std::vector<float>* list : {&columns_, &rows_, &votes_})
+  for (kernels::Aligned<float>* list : {&columns_, &rows_, &votes_})
     list->resize(kernels::point_room(static_cast<size_t>(in[0].width) * in[0].height));
   return {{Pixel::line16, 0, in[0].width, 1}, record_spec<FloorModel>()};
 }

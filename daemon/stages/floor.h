@@ -6,6 +6,7 @@
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/kernels/aligned.h"
 #include "daemon/stages/machine.h"
 #include "ipc/records.h"
 
@@ -36,7 +37,7 @@ class Floor final : public ImageProcessor {
 
   Machine& machine_;
   const Config& config_;
-  std::vector<float> columns_, rows_, votes_;  // the points; sized once, size_ of them in use
+  kernels::Aligned<float> columns_, rows_, votes_;  // the points; sized once, size_ of them in use
   size_t size_ = 0;
 };
 
