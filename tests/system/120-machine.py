@@ -8,6 +8,10 @@ import re
 from programs import ProgramTest, isolated_main, run
 
 SIM = ["--sim", "--frames", 4, "--set", "main.middleware=none", "--set", "sim.scene=obstacles", "--set", "sim.rate=0"]
+MATCHERS = [["--set", "image source.matcher=bm"],
+            ["--set", "image source.matcher=bm", "--set", "image source.prefilter=log", "--set", "image source.smooth=median"],
+            ["--set", "image source.matcher=census", "--set", "image source.smooth=mean"],
+            ["--set", "image source.matcher=census", "--set", "image source.census=5x5"]]
 
 
 def levels():
@@ -42,14 +46,18 @@ class Machine(ProgramTest):
         self.assertIn(", ".join(levels()), " ".join(run("vdispd", "--help").stdout.split()))
 
     def test_every_instruction_set_gives_the_same_files(self):
-        plain = self.dump("plain", "--cpu", "plain")
-        for level in levels()[1:]:
-            self.assert_same(plain, self.dump(level, "--cpu", level))
+        for sets in MATCHERS:
+            name = "-".join(sets[1::2])
+            plain = self.dump(f"plain {name}", "--cpu", "plain", *sets)
+            for level in levels()[1:]:
+                self.assert_same(plain, self.dump(f"{level} {name}", "--cpu", level, *sets))
 
     def test_every_number_of_threads_gives_the_same_files(self):
-        one = self.dump("1", "--set", "main.threads=1")
-        for threads in (2, 3, 16):
-            self.assert_same(one, self.dump(str(threads), "--set", f"main.threads={threads}"))
+        for sets in MATCHERS:
+            name = "-".join(sets[1::2])
+            one = self.dump(f"1 {name}", "--set", "main.threads=1", *sets)
+            for threads in (2, 3, 16):
+                self.assert_same(one, self.dump(f"{threads} {name}", "--set", f"main.threads={threads}", *sets))
 
     def test_the_log_tells_level_and_threads(self):
         def log(*arguments):
