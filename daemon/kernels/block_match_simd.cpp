@@ -46,6 +46,8 @@ struct Row {
   int wide() const { return known ? known : any_wide; }  // disparities, rounded up to whole vectors
   int slot_words() const { return wide() + 2 * pad; }
   int16_t* costs(int p) const { return ring + (p & (slots - 1)) * slot_words() + pad; }
+  /// costs(p + 1), given those of p.
+  int16_t* next(int p, int16_t* costs) const { return (p + 1) & (slots - 1) ? costs + slot_words() : ring + pad; }
 };
 
 template <Cost cost, class D8, class V8 = hn::Vec<D8> >
@@ -176,9 +178,11 @@ HWY_INLINE void choose(D16 d16, const int16_t* HWY_RESTRICT costs, int wide, int
   for (int i = n16; i < wide; i += n16) least = hn::Min(least, hn::Load(d16, costs + i));
   const int16_t cost = least_of(d16, least);
   const auto same = hn::Set(d16, cost);
-  int index = 0;
-  for (int i = (wide - 1) / 64 * 64; i >= 0; i -= 64) {
-    const uint64_t found = bits<true>(d16, costs + i, std::min(wide - i, 64), same);
+  // The lowest of them, from the highest block down: the first of the blocks has it if no other has.
+  const int blocks = (wide + 63) / 64;
+  int index = std::countr_zero(bits<true>(d16, costs + (blocks - 1) * 64, wide - (blocks - 1) * 64, same)) + (blocks - 1) * 64;
+  for (int i = (blocks - 2) * 64; i >= 0; i -= 64) {
+    const uint64_t found = bits<true>(d16, costs + i, 64, same);
     index = found ? i + std::countr_zero(found) : index;
   }
 #else
@@ -223,23 +227,31 @@ HWY_INLINE V16 more(D16 d16, V16 cost, int factor) {
 }
 
 /// Chooses for the pixels [from, to), and asks how many rivals each has.
-template <class D16, int known>
-HWY_INLINE void choose_strip(D16 d16, const Row<known>& row, int from, int to, const Candidates& out) {
+template <class D, int known>
+HWY_INLINE void choose_strip(D, const Row<known>& row, int from, int to, const Candidates& out) {
   const hn::CappedTag<int16_t, 32> wide16;
+  // The longest vectors that divide a pixel's costs: sums are made in shorter ones where there are few disparities.
+  const hn::CappedTag<int16_t, known % 32 ? static_cast<int>(hn::MaxLanes(D())) : 32> d16;
   const int first = row.s.first_column(), wide = row.wide();
-  for (int p = from; p < to; ++p) choose(d16, row.costs(p), wide, first + p, out);
-  for (int p = from; row.s.home > 0 && p < to; ++p) {
-    const int16_t* home = row.costs(p) + row.s.home;
+  int16_t* costs = row.costs(from);
+  for (int p = from; p < to; costs = row.next(p++, costs)) {
+    choose(d16, costs, wide, first + p, out);
+    if (row.s.home <= 0) continue;
+    const int16_t* home = costs + row.s.home;
     out.home[first + p] = static_cast<uint16_t>(std::min(home[0], std::min(home[-1], home[1])));
   }
   for (int p = from; p < to; p += static_cast<int>(hn::Lanes(wide16))) {
     const auto cost = hn::LoadU(wide16, reinterpret_cast<const int16_t*>(out.cost) + first + p);
     hn::StoreU(more(wide16, cost, row.s.unique), wide16, row.limits + p);
   }
+  int16_t *before = row.costs(from - 1), *here = row.costs(from);
   for (int p = from; p < to; ++p) {
     const int index = out.index[first + p];
-    row.rivals[p] = count_rivals(d16, row.costs(p), wide, row.limits[p]);
-    row.same[p] = std::min(row.costs(p - 1)[index - 1], row.costs(p + 1)[index + 1]);
+    int16_t* after = row.next(p, here);
+    row.rivals[p] = count_rivals(d16, here, wide, row.limits[p]);
+    row.same[p] = std::min(before[index - 1], after[index + 1]);
+    before = here;
+    here = after;
   }
 }
 
