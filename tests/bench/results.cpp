@@ -57,7 +57,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double Result::ours() const { return getenv("VD_MIN") && !ours_ms.empty() ? *std::min_element(ours_ms.begin(), ours_ms.end()) : median(ours_ms); }
+double Result::ours() const { return median(ours_ms); }
 double Result::peer() const { return median(peer_ms); }
 double Result::ratio() const { return ours() > 0 ? peer() / ours() : 0; }
 

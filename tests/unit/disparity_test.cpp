@@ -203,7 +203,8 @@ struct FlatFloor {
       }
     }
     for (Picture* view : {&left, &right})
-      view->image().camera = {static_cast<float>(f), static_cast<float>(cx), static_cast<float>(cy), static_cast<float>(baseline), 0, 0, 0, {}};
+      view->image().camera = {
+          static_cast<float>(f), static_cast<float>(cx), static_cast<float>(cy), static_cast<float>(baseline), 0, 0, 0, {}};
   }
 };
 
