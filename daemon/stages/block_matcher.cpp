@@ -38,8 +38,9 @@ kernels::BlockSearch BlockMatcher::plain_search() const {
   search.min_disparity = p.minDisparity;
   views_.put_plain(search);
   search.unique = kernels::percent_factor(p.unique);
-  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`.
-  if (search.cost == kernels::Cost::differences) search.unique = search.unique * 4 / 5;
+  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`. What log and census find besides, it
+  // would let through with too many errors.
+  if (p.matcher == "bm" && p.prefilter == "sobel") search.unique = search.unique * 4 / 5;
   search.left_right = kernels::percent_factor(tune("VD_LR", left_right_margin));
   return search;
 }

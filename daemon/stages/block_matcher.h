@@ -22,7 +22,7 @@ namespace vdisp {
 ///   thresh               the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same number
 ///                        means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
 ///   unique               percent by which the best match must be better than any more than 1 px away, as StereoBM counts it: the
-///                        differences here are truncated, and 4/5 of it does the same; bits of census codes are counted in full
+///                        differences here are truncated, and 4/5 of it does the same; all of it for prefilter = log and census
 class BlockMatcher {
  public:
   BlockMatcher(Machine& machine, const Config& config) : machine_(machine), config_(config), views_(machine, config) {}

@@ -202,7 +202,7 @@ class Parameters(ProgramTest):
                            f"image source.matcher={matcher}")
 
     def test_image_source_prefilter(self):
-        pass
+        self.rises("image source.prefilter", ["sobel", "log"], lambda d: d.rejected("measured"), "sim.texture=0.3")
 
     def test_image_source_census(self):
         self.rises("image source.census", ["3x3", "5x5"], lambda d: d.rejected("measured"), "image source.matcher=census")
