@@ -13,8 +13,6 @@ constexpr int floor_disparities = 16;  // searched around the floor expected
 constexpr int floor_margin = 50;       // percent the floor may fit worse than a match off it, and still refuse that
 constexpr int left_right_margin = 10;  // percent: where the right view is in doubt itself it refuses nothing
 
-int tune(const char* name, int otherwise) { return getenv(name) ? atoi(getenv(name)) : otherwise; }
-
 }  // namespace
 
 void BlockMatcher::prepare(const ImageSpec& spec) {
@@ -41,7 +39,7 @@ kernels::BlockSearch BlockMatcher::plain_search() const {
   // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`. What log and census find besides, it
   // would let through with too many errors.
   if (p.matcher == "bm" && p.prefilter == "sobel") search.unique = search.unique * 4 / 5;
-  search.left_right = kernels::percent_factor(tune("VD_LR", left_right_margin));
+  search.left_right = kernels::percent_factor(left_right_margin);
   return search;
 }
 
@@ -83,7 +81,7 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
   kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
   resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
   resolve.unique = plain.unique;
-  resolve.floor_margin = kernels::percent_factor(tune("VD_FM", floor_margin));
+  resolve.floor_margin = kernels::percent_factor(floor_margin);
   resolve.outside = rejected(Rejected::outside);
   resolve.low_texture = rejected(Rejected::low_texture);
   resolve.not_unique = rejected(Rejected::not_unique);
