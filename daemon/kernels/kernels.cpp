@@ -47,6 +47,8 @@ Kernels plain_kernels() {
       .speckle_refuse = plain::speckle_refuse,
       .rectify = plain::rectify,
       .debayer = plain::debayer,
+      .census3x3 = plain::census3x3,
+      .census5x5 = plain::census5x5,
   };
 }
 
@@ -82,6 +84,7 @@ Kernels kernels(std::string_view level) {
     choose_speckle_refuse(table);
     choose_rectify(table);
     choose_debayer(table);
+    choose_census(table);
     return table;
   }
   std::string names;

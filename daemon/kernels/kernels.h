@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/kernels/block_match.h"
+#include "daemon/kernels/census.h"
 #include "daemon/kernels/debayer.h"
 #include "daemon/kernels/line_search.h"
 #include "daemon/kernels/map.h"
@@ -43,6 +44,8 @@ struct Kernels {
   SpeckleRefuse* speckle_refuse;
   Rectify* rectify;
   Debayer* debayer;
+  Census3x3* census3x3;
+  Census5x5* census5x5;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

@@ -28,5 +28,6 @@ void choose_speckle_label(Kernels& table);
 void choose_speckle_refuse(Kernels& table);
 void choose_rectify(Kernels& table);
 void choose_debayer(Kernels& table);
+void choose_census(Kernels& table);
 
 }  // namespace vdisp::kernels

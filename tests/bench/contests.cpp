@@ -116,11 +116,13 @@ Contest semi_global(const std::string& name, const Frames& frames, int ndisp, co
   return contest;
 }
 
-/// Smoothing, census and matching of the paper's second detector. Nobody else has this to compare with.
+/// Smoothing, census and matching as in the second paper, which lays windows only face on. Nobody else has this to compare with.
 Contest census(const Frames& frames, const OurSide& side) {
   Contest contest{"census", {0, 0, 0.8, 0.5}, {}, {}, {}};
   contest.ours = [&frames, side](int threads) {
-    return our_matcher(frames, ours(threads, side, {"image source.matcher=census", "image source.ndisp=32"}));
+    return our_matcher(
+        frames, ours(threads, side,
+                     {"image source.matcher=census", "image source.smooth=mean", "image source.align=none", "image source.ndisp=32"}));
   };
   return contest;
 }
