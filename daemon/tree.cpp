@@ -29,13 +29,13 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
 
   if (floors) {
-    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
-    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(config), {vdisparity}, Need::always);
+    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
+    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
-    driver.add("map", make_unique<Map>(config), {disparity, limit, floor[1]}, Need::always);
+    driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
 
     // For the eye: run only while somebody looks, and after the map.
-    driver.add("obstacles", make_unique<ShowObstacle>(), {disparity, limit});
+    driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
     driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});

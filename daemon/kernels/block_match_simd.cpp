@@ -32,6 +32,17 @@ constexpr int slots = 64, strip = 32, block = 16, pad = 32;
 constexpr uint8_t above_byte = 0x7F;  // what memset makes of it is positive in 16 bits, signed or not
 constexpr int16_t above = 0x7F7F;
 
+/// The vectors that a window's costs are summed and compared in: those of so many bytes as D8 has lanes, or half as many.
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+template <class D8>
+constexpr bool in_one = hn::MaxLanes(D8()) <= 32;
+#else
+template <class D8>
+constexpr bool in_one = false;
+#endif
+template <class D8>
+using Words = hn::CappedTag<int16_t, in_one<D8> ? hn::MaxLanes(D8()) : hn::MaxLanes(D8()) / 2>;
+
 void fill_above(int16_t* words, int n) { std::memset(words, above_byte, sizeof(int16_t) * static_cast<size_t>(n)); }
 
 /// One row of one search as the loops need it. `known` is its width where that is a constant, which lets the loops be unrolled; else 0.
@@ -46,6 +57,8 @@ struct Row {
   int wide() const { return known ? known : any_wide; }  // disparities, rounded up to whole vectors
   int slot_words() const { return wide() + 2 * pad; }
   int16_t* costs(int p) const { return ring + (p & (slots - 1)) * slot_words() + pad; }
+  /// costs(p + 1), given those of p.
+  int16_t* next(int p, int16_t* costs) const { return (p + 1) & (slots - 1) ? costs + slot_words() : ring + pad; }
 };
 
 template <Cost cost, class D8, class V8 = hn::Vec<D8> >
@@ -84,16 +97,17 @@ void begin_columns(D8 d8, const Row<known>& row, int y_from, int y_to) {
 /// Columns [from, to): column sums brought to this row, window sums moved on, and from the first whole window on stored as costs.
 template <Cost cost, bool subtract, class D8, int known>
 HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
-  const hn::Half<D8> half8;
-  const hn::Repartition<int16_t, D8> d16;
-  const int n8 = static_cast<int>(hn::Lanes(d8)), n16 = n8 / 2, w = row.s.window;
+  const Words<D8> d16;
+  const hn::Rebind<uint8_t, Words<D8> > part8;
+  const int n8 = static_cast<int>(hn::Lanes(d8)), n16 = static_cast<int>(hn::Lanes(d16)), w = row.s.window;
+  const int second = in_one<D8> ? 0 : n16;
   const auto cap = hn::Set(d8, static_cast<uint8_t>(row.s.cap));
   for (int i = 0; i < row.wide(); i += n8) {
-    auto sum0 = hn::Load(d16, row.sums + i), sum1 = hn::Load(d16, row.sums + i + n16);
+    auto sum0 = hn::Load(d16, row.sums + i), sum1 = hn::Load(d16, row.sums + i + second);
     // What lies beyond the last disparity must never be the least.
     const auto last = hn::Set(d16, static_cast<int16_t>(row.s.disparities - i - 1)), over = hn::Set(d16, above);
     const auto beyond0 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, 0), last), over);
-    const auto beyond1 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, static_cast<int16_t>(n16)), last), over);
+    const auto beyond1 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, static_cast<int16_t>(second)), last), over);
     for (int q = from; q < to; ++q) {
       uint8_t* column = row.columns + q * row.wide() + i;
       auto costs = hn::Load(d8, column);
@@ -105,15 +119,18 @@ HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
           hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, cap));
       hn::Store(costs, d8, column);
       const uint8_t* gone = column - static_cast<ptrdiff_t>(w) * row.wide();
-      sum0 = hn::Add(sum0, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column)), hn::PromoteTo(d16, hn::Load(half8, gone))));
-      sum1 = hn::Add(sum1, hn::Sub(hn::PromoteTo(d16, hn::Load(half8, column + n16)), hn::PromoteTo(d16, hn::Load(half8, gone + n16))));
+      const auto change = [&](int k) HWY_ATTR {
+        return hn::Sub(hn::PromoteTo(d16, hn::Load(part8, column + k)), hn::PromoteTo(d16, hn::Load(part8, gone + k)));
+      };
+      sum0 = hn::Add(sum0, change(0));
+      if constexpr (!in_one<D8>) sum1 = hn::Add(sum1, change(n16));
       if (q < w - 1) continue;
       int16_t* to_costs = row.costs(q - (w - 1)) + i;
       hn::Store(hn::Max(sum0, beyond0), d16, to_costs);
-      hn::Store(hn::Max(sum1, beyond1), d16, to_costs + n16);
+      if constexpr (!in_one<D8>) hn::Store(hn::Max(sum1, beyond1), d16, to_costs + n16);
     }
     hn::Store(sum0, d16, row.sums + i);
-    hn::Store(sum1, d16, row.sums + i + n16);
+    if constexpr (!in_one<D8>) hn::Store(sum1, d16, row.sums + i + n16);
   }
 }
 
@@ -176,9 +193,11 @@ HWY_INLINE void choose(D16 d16, const int16_t* HWY_RESTRICT costs, int wide, int
   for (int i = n16; i < wide; i += n16) least = hn::Min(least, hn::Load(d16, costs + i));
   const int16_t cost = least_of(d16, least);
   const auto same = hn::Set(d16, cost);
-  int index = 0;
-  for (int i = (wide - 1) / 64 * 64; i >= 0; i -= 64) {
-    const uint64_t found = bits<true>(d16, costs + i, std::min(wide - i, 64), same);
+  // The lowest of them, from the highest block down: the first of the blocks has it if no other has.
+  const int blocks = (wide + 63) / 64;
+  int index = std::countr_zero(bits<true>(d16, costs + (blocks - 1) * 64, wide - (blocks - 1) * 64, same)) + (blocks - 1) * 64;
+  for (int i = (blocks - 2) * 64; i >= 0; i -= 64) {
+    const uint64_t found = bits<true>(d16, costs + i, 64, same);
     index = found ? i + std::countr_zero(found) : index;
   }
 #else
@@ -227,19 +246,25 @@ template <class D16, int known>
 HWY_INLINE void choose_strip(D16 d16, const Row<known>& row, int from, int to, const Candidates& out) {
   const hn::CappedTag<int16_t, 32> wide16;
   const int first = row.s.first_column(), wide = row.wide();
-  for (int p = from; p < to; ++p) choose(d16, row.costs(p), wide, first + p, out);
-  for (int p = from; row.s.home > 0 && p < to; ++p) {
-    const int16_t* home = row.costs(p) + row.s.home;
+  int16_t* costs = row.costs(from);
+  for (int p = from; p < to; costs = row.next(p++, costs)) {
+    choose(d16, costs, wide, first + p, out);
+    if (row.s.home <= 0) continue;
+    const int16_t* home = costs + row.s.home;
     out.home[first + p] = static_cast<uint16_t>(std::min(home[0], std::min(home[-1], home[1])));
   }
   for (int p = from; p < to; p += static_cast<int>(hn::Lanes(wide16))) {
     const auto cost = hn::LoadU(wide16, reinterpret_cast<const int16_t*>(out.cost) + first + p);
     hn::StoreU(more(wide16, cost, row.s.unique), wide16, row.limits + p);
   }
+  int16_t *before = row.costs(from - 1), *here = row.costs(from);
   for (int p = from; p < to; ++p) {
     const int index = out.index[first + p];
-    row.rivals[p] = count_rivals(d16, row.costs(p), wide, row.limits[p]);
-    row.same[p] = std::min(row.costs(p - 1)[index - 1], row.costs(p + 1)[index + 1]);
+    int16_t* after = row.next(p, here);
+    row.rivals[p] = count_rivals(d16, here, wide, row.limits[p]);
+    row.same[p] = std::min(before[index - 1], after[index + 1]);
+    before = here;
+    here = after;
   }
 }
 
@@ -270,7 +295,7 @@ void refuse(const Row<known>& row, const Candidates& out) {
 
 template <Cost cost, int known, class D8>
 void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& scratch, const Candidates& out) {
-  const hn::Repartition<int16_t, D8> d16;
+  const Words<D8> d16;
   const int n8 = static_cast<int>(hn::Lanes(d8)), r = s.window / 2, first = s.first_column(), left = first - r;
   const int pixels = s.last_column() - first, wide = known ? known : (s.disparities + n8 - 1) / n8 * n8;
   const int there = s.left.width - 1 - left + s.min_disparity, old = std::max(y - r - 1, 0);

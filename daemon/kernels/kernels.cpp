@@ -28,6 +28,12 @@ constexpr std::array<Level, 0> known{};
 Kernels plain_kernels() {
   return {
       .x_sobel = plain::x_sobel,
+      .count_votes = plain::count_votes,
+      .collect_points = plain::collect_points,
+      .count_near = plain::count_near,
+      .sum_near = plain::sum_near,
+      .mark_above = plain::mark_above,
+      .count_cells = plain::count_cells,
       .match_row = plain::match_row,
       .resolve_row = plain::resolve_row,
       .shear_row = plain::shear_row,
@@ -45,6 +51,8 @@ Kernels plain_kernels() {
       .paths_row = plain::paths_row,
       .rectify = plain::rectify,
       .debayer = plain::debayer,
+      .census3x3 = plain::census3x3,
+      .census5x5 = plain::census5x5,
   };
 }
 
@@ -68,6 +76,9 @@ Kernels kernels(std::string_view level) {
     if (candidate.name != level || !(hwy::SupportedTargets() & HWY_TARGETS & candidate.target)) continue;
     hwy::GetChosenTarget().Update(candidate.target);
     choose_prefilter(table);
+    choose_vdisparity(table);
+    choose_line_search(table);
+    choose_map(table);
     choose_block_match(table);
     choose_resolve(table);
     choose_shear(table);
@@ -81,6 +92,7 @@ Kernels kernels(std::string_view level) {
     choose_paths_row(table);
     choose_rectify(table);
     choose_debayer(table);
+    choose_census(table);
     return table;
   }
   std::string names;

@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "daemon/kernels/block_match.h"
+#include "daemon/kernels/census.h"
 #include "daemon/kernels/debayer.h"
+#include "daemon/kernels/line_search.h"
+#include "daemon/kernels/map.h"
 #include "daemon/kernels/prefilter.h"
 #include "daemon/kernels/rectify.h"
 #include "daemon/kernels/resolve.h"
@@ -16,6 +19,7 @@
 #include "daemon/kernels/smooth.h"
 #include "daemon/kernels/speckle.h"
 #include "daemon/kernels/texture.h"
+#include "daemon/kernels/vdisparity.h"
 
 namespace vdisp::kernels {
 
@@ -23,6 +27,12 @@ namespace vdisp::kernels {
 /// what its contract names, and neither allocates nor throws.
 struct Kernels {
   XSobel* x_sobel;
+  CountVotes* count_votes;
+  CollectPoints* collect_points;
+  CountNear* count_near;
+  SumNear* sum_near;
+  MarkAbove* mark_above;
+  CountCells* count_cells;
   MatchRow* match_row;
   ResolveRow* resolve_row;
   ShearRow* shear_row;
@@ -39,6 +49,8 @@ struct Kernels {
   PathsRow* paths_row;
   Rectify* rectify;
   Debayer* debayer;
+  Census3x3* census3x3;
+  Census5x5* census5x5;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

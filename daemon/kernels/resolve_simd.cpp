@@ -117,7 +117,16 @@ void write(const Resolve& r, const Decided& from, const uint16_t* texture, int n
     value = hn::IfThenElse(leaves, hn::Set(d32, r.outside), value);
     hn::Store(hn::DemoteTo(d16, value), d16, result + x);
   }
-  for (int x = 0; x < n; ++x) out[x] = texture[x] < r.texture_least ? r.low_texture : result[x];
+  const hn::CappedTag<int16_t, 32> wide16;
+  const hn::RebindToUnsigned<decltype(wide16)> wide_u16;
+  const int wide = static_cast<int>(hn::Lanes(wide16));
+  const auto enough = hn::Set(wide_u16, static_cast<uint16_t>(std::clamp(r.texture_least, 0, UINT16_MAX)));
+  int x = 0;
+  for (; x + wide <= n; x += wide) {
+    const auto poor = hn::RebindMask(wide16, hn::Lt(hn::LoadU(wide_u16, texture + x), enough));
+    hn::StoreU(hn::IfThenElse(poor, hn::Set(wide16, r.low_texture), hn::Load(wide16, result + x)), wide16, out + x);
+  }
+  for (; x < n; ++x) out[x] = texture[x] < r.texture_least ? r.low_texture : result[x];
 }
 
 void resolve_row(const Resolve& r, const Hypothesis& match, const Hypothesis* floor, const RowDisparity& floor_disparity,

@@ -16,6 +16,9 @@ namespace vdisp::kernels {
 struct Kernels;
 /// Each writes its kernels into the table, in the form of the chosen target.
 void choose_prefilter(Kernels& table);
+void choose_vdisparity(Kernels& table);
+void choose_line_search(Kernels& table);
+void choose_map(Kernels& table);
 void choose_block_match(Kernels& table);
 void choose_resolve(Kernels& table);
 void choose_shear(Kernels& table);
@@ -29,5 +32,6 @@ void choose_paths_down(Kernels& table);
 void choose_paths_row(Kernels& table);
 void choose_rectify(Kernels& table);
 void choose_debayer(Kernels& table);
+void choose_census(Kernels& table);
 
 }  // namespace vdisp::kernels

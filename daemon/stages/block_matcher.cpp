@@ -1,4 +1,4 @@
-// block_matcher.cpp: pre-filter, shear, match row by row, resolve.
+// block_matcher.cpp: matches row by row, and resolves.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/block_matcher.h"
 
@@ -8,27 +8,15 @@
 namespace vdisp {
 namespace {
 
-constexpr int gradient_cap = 31;       // as in OpenCV's StereoBM: contrast above it counts as this much
+constexpr int gradient_cap = MatchedViews::gradient_cap;
 constexpr int floor_disparities = 16;  // searched around the floor expected
 constexpr int floor_margin = 50;       // percent the floor may fit worse than a match off it, and still refuse that
 constexpr int left_right_margin = 10;  // percent: where the right view is in doubt itself it refuses nothing
-constexpr int least_band = 32;         // rows: a band begins by summing a whole window
-
-kernels::View8 view_of(const Image& image) {
-  return {image.row<uint8_t>(0), image.spec.width, image.spec.height, static_cast<ptrdiff_t>(image.spec.stride())};
-}
 
 }  // namespace
 
-void BlockMatcher::Pixels::resize(int width, int height, int margin) {
-  const ptrdiff_t stride = (width + margin + 63) / 64 * 64;
-  memory.assign(static_cast<size_t>(stride) * height, uint8_t{gradient_cap});
-  plane = {memory.data(), width, height, stride};
-}
-
 void BlockMatcher::prepare(const ImageSpec& spec) {
-  for (Pixels* pixels : {&left_, &moved_, &unmirrored_}) pixels->resize(spec.width, spec.height, 0);
-  for (Pixels* pixels : {&right_, &sheared_}) pixels->resize(spec.width, spec.height, kernels::mirrored_margin);
+  views_.prepare(spec);
   row_ = static_cast<size_t>(spec.width + kernels::row_margin);
   bands_.resize(static_cast<size_t>(machine_.bands.threads()));
   for (Band& band : bands_) {
@@ -46,11 +34,12 @@ kernels::BlockSearch BlockMatcher::plain_search() const {
   search.cap = std::min(2 * gradient_cap, 255 / p.corrsize);
   search.disparities = p.ndisp;
   search.min_disparity = p.minDisparity;
-  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`.
-  search.unique = kernels::percent_factor(p.unique) * 4 / 5;
+  views_.put_plain(search);
+  search.unique = kernels::percent_factor(p.unique);
+  // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`. What log and census find besides, it
+  // would let through with too many errors.
+  if (p.matcher == "bm" && p.prefilter == "sobel") search.unique = search.unique * 4 / 5;
   search.left_right = kernels::percent_factor(left_right_margin);
-  search.left = left_.plane;
-  search.right = right_.plane;
   return search;
 }
 
@@ -59,7 +48,7 @@ kernels::BlockSearch BlockMatcher::floor_search() const {
   search.disparities = floor_disparities;
   search.min_disparity = -floor_disparities / 2;
   search.home = floor_disparities / 2;
-  search.right = sheared_.plane;
+  views_.put_sheared(search);
   return search;
 }
 
@@ -71,39 +60,14 @@ kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search,
           search.min_disparity};
 }
 
-void BlockMatcher::make_ready(const Image& left, const Image& right) noexcept {
-  const auto& k = machine_.kernels;
-  machine_.bands.run(left.spec.height, least_band, [&](int first, int last, int) {
-    k.x_sobel(view_of(left), gradient_cap, first, last, left_.plane);
-    k.x_sobel(view_of(right), gradient_cap, first, last, unmirrored_.plane);
-    for (int v = first; v < last; ++v) k.mirror_row(unmirrored_.plane.row(v), right.spec.width, right_.plane.row(v));
-  });
-}
-
-/// Rows from `first` on.
-void BlockMatcher::make_sheared(const Image& right, const ExpectedFloor& floor, int first_row) noexcept {
-  const auto& k = machine_.kernels;
-  const int height = right.spec.height;
-  machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
-    for (int v = first_row + first; v < first_row + last; ++v)
-      k.shear_row(right.row<uint8_t>(v), right.spec.width, floor.row(v), moved_.plane.row(v));
-  });
-  // The gradient of a row needs its neighbours.
-  machine_.bands.run(height - first_row, least_band, [&](int first, int last, int) {
-    k.x_sobel(moved_.plane, gradient_cap, first_row + first, first_row + last, unmirrored_.plane);
-    for (int v = first_row + first; v < first_row + last; ++v)
-      k.mirror_row(unmirrored_.plane.row(v), right.spec.width, sheared_.plane.row(v));
-  });
-}
-
 void BlockMatcher::match(const Image& left, const Image& right, const ExpectedFloor* floor, Image& out) noexcept {
   const int height = left.spec.height, reach = config_.image_source.corrsize / 2;
   // Rows above the horizon have no floor; nor have those where it is too near for the search.
   int floor_first = height;
   if (floor) floor_first = std::clamp(static_cast<int>(std::ceil(floor->row0)), reach, height);
-  make_ready(left, right);
-  if (floor_first < height - reach) make_sheared(right, *floor, floor_first - reach);
-  machine_.bands.run(height, least_band, [&](int first, int last, int band) {
+  views_.take(left, right);
+  if (floor_first < height - reach) views_.take_sheared(right, *floor, floor_first - reach);
+  machine_.bands.run(height, MatchedViews::least_band, [&](int first, int last, int band) {
     match_band(floor, floor_first, first, last, bands_[static_cast<size_t>(band)], out);
   });
 }
@@ -131,7 +95,7 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
       std::fill_n(row, width, resolve.outside);
       continue;
     }
-    k.texture_row(left_.plane, gradient_cap, p.corrsize, v, fresh, columns, texture);
+    k.texture_row(views_.gradient(), gradient_cap, p.corrsize, v, fresh, columns, texture);
     k.match_row(plain, v, fresh, band.plain, match.candidates);
     fresh = false;
     if (v >= floor_first) {

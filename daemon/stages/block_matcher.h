@@ -1,4 +1,4 @@
-// block_matcher.h: part of `disparity`: block matching of our own, on absolute differences or on census codes.
+// block_matcher.h: part of `disparity`: block matching of our own, on absolute differences of gradients or on bits of census codes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "config/config.h"
-#include "daemon/stages/expected_floor.h"
-#include "daemon/stages/machine.h"
+#include "daemon/stages/matched_views.h"
 
 namespace vdisp {
 
@@ -23,29 +22,21 @@ namespace vdisp {
 ///   thresh               the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same number
 ///                        means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
 ///   unique               percent by which the best match must be better than any more than 1 px away, as StereoBM counts it: the
-///                        costs here are truncated, and 4/5 of it does the same
+///                        differences here are truncated, and 4/5 of it does the same; all of it for prefilter = log and census
 class BlockMatcher {
  public:
-  BlockMatcher(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
+  BlockMatcher(Machine& machine, const Config& config) : machine_(machine), config_(config), views_(machine, config) {}
   /// Reserves memory for images of this size.
   void prepare(const ImageSpec& spec);
   /// `floor`: where it is expected, or null.
   void match(const Image& left, const Image& right, const ExpectedFloor* floor, Image& out) noexcept;
 
  private:
-  /// A view made ready for matching; rows are padded as the kernels ask.
-  struct Pixels {
-    void resize(int width, int height, int margin);
-    kernels::Plane<uint8_t> plane;
-    std::vector<uint8_t> memory;
-  };
   /// Work space of one band.
   struct Band {
     kernels::BlockScratch plain, floor;
     std::vector<uint16_t> candidates, texture;
   };
-  void make_ready(const Image& left, const Image& right) noexcept;
-  void make_sheared(const Image& right, const ExpectedFloor& floor, int first) noexcept;
   kernels::BlockSearch plain_search() const;
   kernels::BlockSearch floor_search() const;
   kernels::Hypothesis hypothesis(const kernels::BlockSearch& search, Band& band, int which) const;
@@ -53,7 +44,7 @@ class BlockMatcher {
 
   Machine& machine_;
   const Config& config_;
-  Pixels left_, right_, sheared_, moved_, unmirrored_;
+  MatchedViews views_;
   std::vector<Band> bands_;
   size_t row_ = 0;  // elements of a row of candidates
 };

@@ -5,12 +5,27 @@
 #include <algorithm>
 
 namespace vdisp {
+namespace {
+
+/// Keys that another matcher would have read.
+void require_supported(const Config& config) {
+  const auto& p = config.image_source;
+  if (p.prefilter != "sobel" && p.matcher != "bm")
+    throw FormatError("prefilter = " + p.prefilter + " is for matcher = bm, and the matcher is " + p.matcher +
+                      "; prefilter = sobel, or none in the file, would fit");
+  if (p.census != "3x3" && p.matcher != "census")
+    throw FormatError("census = " + p.census + " is for matcher = census, and the matcher is " + p.matcher +
+                      "; census = 3x3, or none in the file, would fit");
+}
+
+}  // namespace
+
 Disparity::Disparity(Machine& machine, const Config& config)
-    : machine_(machine), config_(config), expectation_(config), provisional_(config) {
-  if (config.image_source.matcher == "bm") {
+    : machine_(machine), config_(config), expectation_(config), provisional_(machine, config), smoothing_(machine, config) {
+  if (config.image_source.matcher == "bm" || config.image_source.matcher == "census") {
     block_.emplace(machine, config);
   } else {
-    opencv_.emplace(config);
+    opencv_.emplace(machine, config);
   }
 }
 
@@ -22,6 +37,7 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
   require(right, Pixel::gray8, "the right image");
   require_same_size(left, right);
   if (in.size() == 3) require(in[2], Pixel::record, "the last floor model");
+  require_supported(config_);
   const auto& p = config_.image_source;
   const int search = p.ndisp + std::max(p.minDisparity, 0) + p.corrsize;
   if (left.width <= search)
@@ -34,6 +50,7 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
   if (block_) block_->prepare(out);
   if (opencv_) opencv_->prepare(out);
   provisional_.prepare(out);
+  smoothing_.prepare(out);
   speckles_.emplace(out.width, out.height);
   return {out};
 }
@@ -42,10 +59,11 @@ Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* co
   Image& disparity = *out[0];
   disparity.camera.min_disparity = config_.image_source.minDisparity;
   disparity.camera.disparities = config_.image_source.ndisp;
+  const auto [left, right] = smoothing_.smooth(*in[0], *in[1]);
   if (block_) {
-    match_blocks(*in[0], *in[1], in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr, disparity);
+    match_blocks(*left, *right, in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr, disparity);
   } else {
-    opencv_->match(*in[0], *in[1], disparity);
+    opencv_->match(*left, *right, disparity);
   }
   refuse_speckles(disparity);
   return Outcome::valid;

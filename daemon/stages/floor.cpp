@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "daemon/stages/projection.h"
 
@@ -12,10 +13,8 @@ namespace vdisp {
 std::vector<ImageSpec> Floor::check(std::span<const ImageSpec> in) {
   if (in.size() != 1) throw FormatError("takes the v-disparity, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::count16, "the v-disparity");
-  const size_t cells = static_cast<size_t>(in[0].width) * in[0].height;
-  columns_.resize(cells);
-  rows_.resize(cells);
-  votes_.resize(cells);
+  for (kernels::Aligned<float>* list : {&columns_, &rows_, &votes_})
+    list->resize(kernels::point_room(static_cast<size_t>(in[0].width) * in[0].height));
   return {{Pixel::line16, 0, in[0].width, 1}, record_spec<FloorModel>()};
 }
 
@@ -24,7 +23,7 @@ Outcome Floor::process(std::span<const Image* const> in, std::span<Image* const>
   FloorModel& model = make_record<FloorModel>(*out[1]);
   model.model = FloorKind::line;
   model.pitch_rad = model.roll_rad = model.height_m = std::nan("");
-  collect_points(vdisparity);
+  size_ = machine_.kernels.collect_points(plane<int16_t>(vdisparity), config_.floor.minVotes, points());
   model.points = static_cast<uint32_t>(size_);
 
   Line line{};
@@ -38,26 +37,16 @@ Outcome Floor::process(std::span<const Image* const> in, std::span<Image* const>
     out[0]->reason = out[1]->reason = model.reason;
     return Outcome::invalid;
   }
-  line = refine(line);
-  describe(vdisparity, line, model);
+  const kernels::NearSums sums = refine(line);
+  describe(vdisparity, line, sums, model);
   int16_t* rows = out[0]->row<int16_t>(0);
-  for (int column = 0; column < out[0]->spec.width; ++column)
-    rows[column] = static_cast<int16_t>(std::lround(std::clamp(line.slope * column + line.row0, -32000.0, 32000.0)));
-  return Outcome::valid;
-}
-
-void Floor::collect_points(const Image& vdisparity) noexcept {
-  size_ = 0;
-  const int threshold = config_.floor.minVotes;
-  for (int v = 0; v < vdisparity.spec.height; ++v) {
-    const int16_t* votes = vdisparity.row<int16_t>(v);
-    for (int column = 0; column < vdisparity.spec.width; ++column) {
-      if (votes[column] <= threshold) continue;
-      columns_[size_] = static_cast<float>(column);
-      rows_[size_] = static_cast<float>(v);
-      votes_[size_++] = votes[column];
-    }
+  for (int column = 0; column < out[0]->spec.width; ++column) {
+    const double row = std::clamp(line.slope * column + line.row0, -32000.0, 32000.0);
+    const int whole = static_cast<int>(row);
+    const double rest = row - whole;
+    rows[column] = static_cast<int16_t>(whole + (rest >= 0.5) - (rest <= -0.5));  // std::lround, without a call
   }
+  return Outcome::valid;
 }
 
 bool Floor::search(uint64_t seed, Line& best) noexcept {
@@ -71,7 +60,9 @@ bool Floor::search(uint64_t seed, Line& best) noexcept {
     const double slope = (static_cast<double>(rows_[q]) - static_cast<double>(rows_[p])) / run;
     if (!(slope > least && slope < most)) continue;
     const Line line{slope, static_cast<double>(rows_[p]) - slope * static_cast<double>(columns_[p])};
-    const size_t count = count_near(line);
+    const float reach = static_cast<float>(config_.floor.distThres * std::sqrt(1 + slope * slope));
+    const size_t count =
+        machine_.kernels.count_near(points(), size_, static_cast<float>(line.slope), static_cast<float>(line.row0), reach, best_count);
     if (count > best_count) {
       best_count = count;
       best = line;
@@ -80,52 +71,36 @@ bool Floor::search(uint64_t seed, Line& best) noexcept {
   return best_count > 0;
 }
 
-size_t Floor::count_near(const Line& line) const noexcept {
-  const float slope = static_cast<float>(line.slope), row0 = static_cast<float>(line.row0);
-  const float reach = static_cast<float>(config_.floor.distThres * std::sqrt(1 + line.slope * line.slope));
-  uint32_t count = 0;
-  for (size_t i = 0; i < size_; ++i) count += std::abs(slope * columns_[i] + row0 - rows_[i]) < reach;
-  return count;
+kernels::NearSums Floor::sum_near(const Line& line) noexcept {
+  return machine_.kernels.sum_near(points(), size_, line.slope, line.row0,
+                                   config_.floor.distThres * std::sqrt(1 + line.slope * line.slope));
 }
 
-Floor::Line Floor::refine(Line line) const noexcept {
+/// Returns the sums of what lies near the refined line.
+kernels::NearSums Floor::refine(Line& line) noexcept {
+  const double least = std::tan(config_.floor.anglefloorMin), most = std::tan(config_.floor.anglefloorMax);
+  kernels::NearSums sums = sum_near(line);
   for (int round = 0; round < 3; ++round) {
-    const double reach = config_.floor.distThres * std::sqrt(1 + line.slope * line.slope);
-    double w = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (size_t i = 0; i < size_; ++i) {
-      const double column = columns_[i], row = rows_[i], vote = votes_[i];
-      if (std::abs(line.slope * column + line.row0 - row) >= reach) continue;
-      w += vote;
-      x += vote * column;
-      y += vote * row;
-      xx += vote * column * column;
-      xy += vote * column * row;
-    }
-    const double spread = w * xx - x * x;
-    if (spread <= 0) return line;
-    const double slope = (w * xy - x * y) / spread;
+    const double spread = sums.votes * sums.column_column - sums.column * sums.column;
+    if (spread <= 0) return sums;
+    const double slope = (sums.votes * sums.column_row - sums.column * sums.row) / spread;
     // A refinement that leaves the permitted angles is none.
-    if (!(slope > std::tan(config_.floor.anglefloorMin) && slope < std::tan(config_.floor.anglefloorMax))) return line;
-    line = {slope, (y - slope * x) / w};
+    if (!(slope > least && slope < most)) return sums;
+    const Line refined{slope, (sums.row - slope * sums.column) / sums.votes};
+    // The same line has the same points: there is nothing left to refine.
+    if (refined == line) return sums;
+    line = refined;
+    sums = sum_near(line);
   }
-  return line;
+  return sums;
 }
 
-void Floor::describe(const Image& vdisparity, const Line& line, FloorModel& model) const noexcept {
+void Floor::describe(const Image& vdisparity, const Line& line, const kernels::NearSums& sums, FloorModel& model) noexcept {
   const CameraGeometry& g = vdisparity.camera;
   const StereoView view = stereo_view(vdisparity);
-  double near = 0, all = 0;
-  const double reach = config_.floor.distThres * std::sqrt(1 + line.slope * line.slope);
-  model.points = 0;
-  for (size_t i = 0; i < size_; ++i) {
-    const double vote = votes_[i];
-    all += vote;
-    if (std::abs(line.slope * static_cast<double>(columns_[i]) + line.row0 - static_cast<double>(rows_[i])) >= reach) continue;
-    near += vote;
-    ++model.points;
-  }
+  model.points = static_cast<uint32_t>(sums.count);
   model.state = FloorState::found;
-  model.confidence = near / all;
+  model.confidence = sums.votes / sums.all;
   model.a = line.slope;
   // The line counts columns; b is the row at d' = 0.
   model.b = line.row0 + line.slope * 16 * (static_cast<double>(g.cx_offset) - g.min_disparity);

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <random>
 #include <vector>
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/kernels/aligned.h"
+#include "daemon/stages/machine.h"
 #include "ipc/records.h"
 
 namespace vdisp {
@@ -19,22 +20,24 @@ namespace vdisp {
 /// of a frame follow from its sequence number, so that a frame gives the same floor every time.
 class Floor final : public ImageProcessor {
  public:
-  explicit Floor(const Config& config) : config_(config) {}
+  Floor(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
   struct Line {
     double slope, row0;  // row = slope * column + row0
+    bool operator==(const Line&) const = default;
   };
-  void collect_points(const Image& vdisparity) noexcept;
   bool search(uint64_t seed, Line& best) noexcept;
-  size_t count_near(const Line& line) const noexcept;
-  Line refine(Line line) const noexcept;
-  void describe(const Image& vdisparity, const Line& line, FloorModel& model) const noexcept;
+  kernels::NearSums sum_near(const Line& line) noexcept;
+  kernels::NearSums refine(Line& line) noexcept;
+  void describe(const Image& vdisparity, const Line& line, const kernels::NearSums& sums, FloorModel& model) noexcept;
+  kernels::Points points() { return {columns_.data(), rows_.data(), votes_.data()}; }
 
+  Machine& machine_;
   const Config& config_;
-  std::vector<float> columns_, rows_, votes_;  // the points; sized once, size_ of them in use
+  kernels::Aligned<float> columns_, rows_, votes_;  // the points; sized once, size_ of them in use
   size_t size_ = 0;
 };
 

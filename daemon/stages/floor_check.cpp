@@ -34,7 +34,7 @@ inline uint8_t difference(const uint8_t* left, const uint8_t* right, int u, int 
 
 }  // namespace
 
-FloorCheck::FloorCheck(const Config& config) : config_(config), provisional_(config) {}
+FloorCheck::FloorCheck(Machine& machine, const Config& config) : config_(config), provisional_(machine, config) {}
 
 void FloorCheck::prepare(const ImageSpec& disparity) {
   provisional_.prepare(disparity);

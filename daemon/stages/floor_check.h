@@ -16,7 +16,7 @@ namespace vdisp {
 /// is not unique.
 class FloorCheck {
  public:
-  explicit FloorCheck(const Config& config);
+  FloorCheck(Machine& machine, const Config& config);
   /// Reserves memory for images of this size.
   void prepare(const ImageSpec& disparity);
   /// `disparity` as matched so far, its header complete.

@@ -21,17 +21,17 @@ bool Height::combine(const Image& disparity, const Image& model_image, Image& ou
   out.reason = no_metres(disparity, pitch);
   if (out.reason != Reason::none) return false;
   const CameraGeometry& g = disparity.camera;
+  const kernels::Search search = search_of(g, 16 * g.disparities);
   const double mm_per_row = 1000 * static_cast<double>(g.baseline) * std::cos(pitch);  // times 1 / d'
   for (int v = 0; v < out.spec.height; ++v) {
     const int16_t* d = disparity.row<int16_t>(v);
     int16_t* height = out.row<int16_t>(v);
     for (int u = 0; u < out.spec.width; ++u) {
-      const int column = vdisparity_column(g, d[u]);
-      if (column < 0) {
+      if (!search.counts(d[u])) {
         height[u] = height_unknown;
         continue;
       }
-      const double true_d = true_disparity(g, column);
+      const double true_d = true_disparity(g, d[u] - search.first);
       const double mm = mm_per_row * (16 * model.a * true_d + model.b - v) / true_d;
       height[u] = static_cast<int16_t>(std::lround(std::clamp(mm, -32000.0, 32000.0)));
     }

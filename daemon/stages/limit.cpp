@@ -25,8 +25,9 @@ bool Limit::combine(const Image& floor, const Image& model_image, Image& out) no
   for (int column = 0; column < out.spec.width; ++column) {
     const double d = true_disparity(floor.camera, column);
     // The largest whole row that is higher: of the exact line, not of the rows of `floor`, which are rounded.
-    const double row = std::ceil(16 * model.a * d + model.b - rise * d) - 1;
-    rows[column] = d > 0 ? static_cast<int16_t>(std::clamp(row, -32000.0, 32000.0)) : line_none;
+    const double row = std::clamp(16 * model.a * d + model.b - rise * d, -31999.0, 32001.0);
+    const int up = static_cast<int>(row) + (row > static_cast<int>(row));  // std::ceil, without a call
+    rows[column] = d > 0 ? static_cast<int16_t>(up - 1) : line_none;
   }
   return true;
 }

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "daemon/stages/projection.h"
-#include "daemon/stages/show_obstacle.h"
 
 namespace vdisp {
 
@@ -16,6 +15,7 @@ std::vector<ImageSpec> Map::check(std::span<const ImageSpec> in) {
   require(in[1], Pixel::line16, "the limit");
   require(in[2], Pixel::record, "the floor model");
   const auto& m = config_.map;
+  scratch_ = kernels::GroundScratch(in[0].width, in[1].width);
   return {{Pixel::count16, 0, static_cast<uint16_t>(std::lround(m.width / m.cell)), static_cast<uint16_t>(std::lround(m.range / m.cell))}};
 }
 
@@ -36,6 +36,13 @@ GridGeometry Map::grid(const Image& disparity, double pitch, const ImageSpec& sp
   return g;
 }
 
+kernels::Ground Map::ground(const Image& disparity, double pitch, const ImageSpec& spec) const {
+  const StereoView view = stereo_view(disparity);
+  const double roll = config_.mounting.roll;
+  return {view.f,          view.cx,        view.cy,        view.baseline,    view.cx_offset, std::cos(pitch),
+          std::sin(pitch), std::cos(roll), std::sin(roll), config_.map.cell, spec.height,    spec.width};
+}
+
 Outcome Map::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Image &disparity = *in[0], &limit = *in[1];
   Image& map = *out[0];
@@ -45,20 +52,8 @@ Outcome Map::process(std::span<const Image* const> in, std::span<Image* const> o
   map.grid = grid(disparity, pitch, map.spec);
   for (int row = 0; row < map.spec.height; ++row) std::memset(map.row<int16_t>(row), 0, map.spec.stride());
 
-  const StereoView view = stereo_view(disparity);
-  const int16_t* limit_rows = limit.row<int16_t>(0);
-  const double cell = config_.map.cell, middle = map.spec.width / 2.0, roll = config_.mounting.roll;
-  for (int v = 0; v < disparity.spec.height; ++v) {
-    const int16_t* d = disparity.row<int16_t>(v);
-    for (int u = 0; u < disparity.spec.width; ++u) {
-      if (!above_limit(disparity.camera, limit_rows, v, d[u])) continue;
-      const Point h = horizontal(view.point(u, v, d[u] / 16.0), pitch, roll);
-      const double row = map.spec.height - 1 - std::floor(h.z / cell), column = std::floor(h.x / cell + middle);
-      if (!(row >= 0 && row < map.spec.height && column >= 0 && column < map.spec.width)) continue;
-      int16_t& count = map.row<int16_t>(static_cast<int>(row))[static_cast<int>(column)];
-      if (count < INT16_MAX) ++count;
-    }
-  }
+  machine_.kernels.count_cells(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0),
+                               ground(disparity, pitch, map.spec), plane<int16_t>(map), scratch_);
   return Outcome::valid;
 }
 

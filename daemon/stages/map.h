@@ -4,6 +4,7 @@
 
 #include "config/config.h"
 #include "daemon/core/processor.h"
+#include "daemon/stages/machine.h"
 
 namespace vdisp {
 
@@ -13,13 +14,17 @@ namespace vdisp {
 /// half-open and what lies outside is ignored (at 5 m the paper's column leaves the map, at 0 m its row does); counts saturate.
 class Map final : public ImageProcessor {
  public:
-  explicit Map(const Config& config) : config_(config) {}
+  Map(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
   GridGeometry grid(const Image& disparity, double pitch, const ImageSpec& spec) const;
+  kernels::Ground ground(const Image& disparity, double pitch, const ImageSpec& spec) const;
+
+  Machine& machine_;
   const Config& config_;
+  kernels::GroundScratch scratch_;
 };
 
 }  // namespace vdisp

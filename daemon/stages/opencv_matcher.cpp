@@ -16,7 +16,7 @@ cv::Mat mat(const Image& image, int type) {
 
 }  // namespace
 
-OpenCvMatcher::OpenCvMatcher(const Config& config) : config_(config), floor_check_(config) {
+OpenCvMatcher::OpenCvMatcher(Machine& machine, const Config& config) : config_(config), floor_check_(machine, config) {
   if (config.image_source.matcher == "opencv") {
     block_ = cv::StereoBM::create();
     block_->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);

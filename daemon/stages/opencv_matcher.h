@@ -20,7 +20,7 @@ namespace vdisp {
 ///                            no other pixel claims, as on a blank sky. StereoSGBM: disp12MaxDiff = 1
 class OpenCvMatcher {
  public:
-  explicit OpenCvMatcher(const Config& config);
+  OpenCvMatcher(Machine& machine, const Config& config);
   void prepare(const ImageSpec& spec) { floor_check_.prepare(spec); }
   void match(const Image& left, const Image& right, Image& out) noexcept;
 

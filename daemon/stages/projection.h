@@ -2,8 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "config/config.h"
 #include "daemon/geometry/frames.h"
+#include "daemon/kernels/plane.h"
+#include "daemon/kernels/search.h"
 #include "ipc/records.h"
 
 namespace vdisp {
@@ -24,11 +29,21 @@ inline Reason no_metres(const Image& image, double pitch) {
   return std::isnan(pitch) ? Reason::no_pitch : Reason::none;
 }
 
-/// Column of the v-disparity for a disparity in 1/16 px; -1 outside the search range or not nearer than infinity.
-inline int vdisparity_column(const CameraGeometry& g, int disparity) {
-  const int column = disparity - 16 * g.min_disparity;
-  const bool inside = column >= 0 && column<16 * g.disparities&& static_cast<float>(disparity)> 16 * g.cx_offset;
-  return inside ? column : -1;
+/// The rows of an image for the kernels.
+template <class T>
+kernels::Plane<T> plane(Image& image) {
+  return {image.row<T>(0), image.spec.width, image.spec.height, static_cast<ptrdiff_t>(image.spec.stride() / sizeof(T))};
+}
+template <class T>
+kernels::Plane<const T> plane(const Image& image) {
+  return {image.row<T>(0), image.spec.width, image.spec.height, static_cast<ptrdiff_t>(image.spec.stride() / sizeof(T))};
+}
+
+/// The disparities inside the search range and nearer than infinity, and their columns in a v-disparity of this width.
+inline kernels::Search search_of(const CameraGeometry& g, int width) {
+  const int first = 16 * g.min_disparity, columns = std::min(16 * g.disparities, width);
+  const float beyond = std::clamp(std::floor(16 * g.cx_offset) + 1, static_cast<float>(first), static_cast<float>(first + columns));
+  return {first, static_cast<int>(beyond), columns};
 }
 
 /// True disparity d' in px of a column of the v-disparity.

@@ -13,7 +13,7 @@ namespace vdisp {
 /// The stages `vdisparity` and `floor` once more, on images of their own.
 class ProvisionalFloor {
  public:
-  explicit ProvisionalFloor(const Config& config) : vdisparity_(config), floor_(config) {}
+  ProvisionalFloor(Machine& machine, const Config& config) : vdisparity_(machine, config), floor_(machine, config) {}
   /// Reserves memory for images of this size.
   void prepare(const ImageSpec& disparity);
   /// The floor of `disparity`, its header complete; null if there is none.

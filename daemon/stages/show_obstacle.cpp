@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/show_obstacle.h"
 
+#include "daemon/stages/projection.h"
+
 namespace vdisp {
 
 ImageSpec ShowObstacle::accept(const ImageSpec& disparity, const ImageSpec& limit) {
@@ -11,12 +13,8 @@ ImageSpec ShowObstacle::accept(const ImageSpec& disparity, const ImageSpec& limi
 }
 
 bool ShowObstacle::combine(const Image& disparity, const Image& limit, Image& out) noexcept {
-  const int16_t* rows = limit.row<int16_t>(0);
-  for (int v = 0; v < out.spec.height; ++v) {
-    const int16_t* d = disparity.row<int16_t>(v);
-    uint8_t* mask = out.row<uint8_t>(v);
-    for (int u = 0; u < out.spec.width; ++u) mask[u] = above_limit(disparity.camera, rows, v, d[u]) ? 255 : 0;
-  }
+  machine_.kernels.mark_above(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0),
+                              plane<uint8_t>(out));
   return true;
 }
 

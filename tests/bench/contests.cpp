@@ -42,11 +42,11 @@ Setup ours(int threads, const OurSide& side, const Sets& more) {
 /// The rest of the peer's settings are defaults. StereoBM's texture threshold of 10 is a sum over the window: thresh = 1 is 60.
 Sets as_peer(int ndisp) { return {"image source.matcher=bm", "image source.ndisp=" + std::to_string(ndisp), "image source.thresh=1"}; }
 
-void add_back_end(Driver& driver, Handle disparity, const Config& config) {
-  const auto votes = driver.add("vdisparity", make_unique<VDisparity>(config), {disparity});
-  const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(config), {votes}, Need::always);
+void add_back_end(Driver& driver, Handle disparity, Machine& machine, const Config& config) {
+  const auto votes = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
+  const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {votes}, Need::always);
   const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
-  driver.add("map", make_unique<Map>(config), {disparity, limit, floor[1]}, Need::always);
+  driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
 }
 
 Work our_matcher(const Frames& frames, Setup setup) {
@@ -116,11 +116,13 @@ Contest semi_global(const std::string& name, const Frames& frames, int ndisp, co
   return contest;
 }
 
-/// Smoothing, census and matching of the paper's second detector. Nobody else has this to compare with.
+/// Smoothing, census and matching as in the second paper, which lays windows only face on. Nobody else has this to compare with.
 Contest census(const Frames& frames, const OurSide& side) {
   Contest contest{"census", {0, 0, 0.8, 0.5}, {}, {}, {}};
   contest.ours = [&frames, side](int threads) {
-    return our_matcher(frames, ours(threads, side, {"image source.matcher=census", "image source.ndisp=32"}));
+    return our_matcher(
+        frames, ours(threads, side,
+                     {"image source.matcher=census", "image source.smooth=mean", "image source.align=none", "image source.ndisp=32"}));
   };
   return contest;
 }
@@ -138,15 +140,16 @@ Contest tree(const std::string& name, const Frames& frames, int ndisp, const Our
                    "map");
   };
   contest.peer = [&frames, ndisp](int threads) {
-    return work_of(std::make_shared<PreparedTree>(
-                       ours(threads, {}, {"image source.ndisp=" + std::to_string(ndisp)}), frames.raw, raw_names, frames.calibration,
-                       [&frames, ndisp](Driver& driver, Source source, Machine&, const Config& c) {
-                         const auto in = driver.add_set(raw_names, std::move(source));
-                         const auto left = driver.add("left", make_unique<CvRectify>(Side::left, frames.calibration.value()), {in[0]});
-                         const auto right = driver.add("right", make_unique<CvRectify>(Side::right, frames.calibration.value()), {in[1]});
-                         add_back_end(driver, driver.add("disparity", make_unique<CvBlockMatcher>(ndisp, Filters::all), {left, right}), c);
-                       }),
-                   "map");
+    return work_of(
+        std::make_shared<PreparedTree>(
+            ours(threads, {}, {"image source.ndisp=" + std::to_string(ndisp)}), frames.raw, raw_names, frames.calibration,
+            [&frames, ndisp](Driver& driver, Source source, Machine& machine, const Config& c) {
+              const auto in = driver.add_set(raw_names, std::move(source));
+              const auto left = driver.add("left", make_unique<CvRectify>(Side::left, frames.calibration.value()), {in[0]});
+              const auto right = driver.add("right", make_unique<CvRectify>(Side::right, frames.calibration.value()), {in[1]});
+              add_back_end(driver, driver.add("disparity", make_unique<CvBlockMatcher>(ndisp, Filters::all), {left, right}), machine, c);
+            }),
+        "map");
   };
   return contest;
 }
@@ -157,8 +160,8 @@ Contest back_end(const Frames& frames, const OurSide& side) {
   contest.ours = [&frames, side](int threads) {
     return work_of(std::make_shared<PreparedTree>(ours(threads, side, {}), disparities(frames, 48, Filters::all), Sets{"disparity"},
                                                   frames.calibration,
-                                                  [](Driver& driver, Source source, Machine&, const Config& c) {
-                                                    add_back_end(driver, driver.add("disparity", std::move(source)), c);
+                                                  [](Driver& driver, Source source, Machine& machine, const Config& c) {
+                                                    add_back_end(driver, driver.add("disparity", std::move(source)), machine, c);
                                                   }),
                    "map");
   };

@@ -101,6 +101,13 @@ class BadInput(ProgramTest):
         self.write_pairs(width=60)
         self.assert_refused(run("vdispd", "-c", self.write_config(), "--set", "image source.ndisp=64"), 78, "60 columns", "ndisp")
 
+    def test_keys_of_another_matcher_are_78_and_tell_what_fits(self):
+        self.write_pairs()
+        for matcher, key, value, fits in (("census", "prefilter", "log", "sobel"), ("opencv", "prefilter", "log", "sobel"),
+                                          ("bm", "census", "5x5", "3x3"), ("opencv-sgbm", "census", "5x5", "3x3")):
+            self.assert_refused(run("vdispd", "-c", self.write_config(), "--set", f"image source.matcher={matcher}", "--set",
+                                    f"image source.{key}={value}"), 78, f"{key} = {value}", f"the matcher is {matcher}", f"{key} = {fits}")
+
     def test_a_bad_pair_is_counted_and_blind_and_the_run_goes_on(self):
         self.write_pairs(6)
         (self.folder / "right" / "000001.png").unlink()

@@ -195,12 +195,26 @@ class Parameters(ProgramTest):
                     error = numpy.abs(dumped.picture(stage) - luma)[flat].max()
                     self.assertEqual(error <= 1, said == order, (order, said, error))
 
+    def test_image_source_smooth(self):
+        for matcher in ("bm", "census", "opencv"):
+            for word in ("mean", "median"):
+                self.rises("image source.smooth", ["none", word], lambda d: d.rejected("measured"), "sim.noise=10",
+                           f"image source.matcher={matcher}")
+
+    def test_image_source_prefilter(self):
+        self.rises("image source.prefilter", ["sobel", "log"], lambda d: d.rejected("measured"), "sim.texture=0.3")
+
+    def test_image_source_census(self):
+        self.rises("image source.census", ["3x3", "5x5"], lambda d: d.rejected("measured"), "image source.matcher=census")
+
     def test_image_source_align(self):
         """A floor seen at a flat angle, half a px of disparity a row."""
         flat = ["sim.cameraHeight=0.15", "sim.pitch=0.1", "mounting.height=0.15", "mounting.pitch=0.1", "sim.scene=empty"]
-        self.rises("image source.align", ["none", "floor"], lambda d: d.rejected("measured"), *flat)
+        for matcher in ("bm", "census"):
+            self.rises("image source.align", ["none", "floor"], lambda d: d.rejected("measured"), *flat, f"image source.matcher={matcher}")
 
     def test_image_source_matcher(self):
+        self.rises("image source.matcher", ["bm", "census"], lambda d: d.rejected("measured"), "sim.gain=1.6")
         dense = "sim.scene=empty"
         self.assertGreater(self.dump(dense, "image source.matcher=opencv-sgbm").rejected("measured"),
                            self.dump(dense, "image source.matcher=opencv").rejected("measured"))

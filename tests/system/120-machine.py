@@ -8,6 +8,11 @@ import re
 from programs import ProgramTest, isolated_main, run
 
 SIM = ["--sim", "--frames", 4, "--set", "main.middleware=none", "--set", "sim.scene=obstacles", "--set", "sim.rate=0"]
+SMALL = ["image source.ndisp=32", "sim.width=320", "sim.height=240"]
+MATCHERS = [[],
+            ["image source.prefilter=log", "image source.smooth=median", *SMALL],
+            ["image source.matcher=census", "image source.smooth=mean", *SMALL],
+            ["image source.matcher=census", "image source.census=5x5", *SMALL]]
 
 
 def levels():
@@ -16,10 +21,13 @@ def levels():
 
 
 class Machine(ProgramTest):
-    def dump(self, name, *arguments):
+    runs = 0
+
+    def dump(self, sets, *arguments):
         """Every file of a run but the times."""
-        folder = self.folder / name
-        result = run("vdispd", *SIM, "--dump", folder, *arguments)
+        Machine.runs += 1
+        folder = self.folder / str(Machine.runs)
+        result = run("vdispd", *SIM, "--dump", folder, *(word for item in sets for word in ("--set", item)), *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         files = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"}
         self.assertGreater(len(files), 4 * 10)
@@ -42,14 +50,18 @@ class Machine(ProgramTest):
         self.assertIn(", ".join(levels()), " ".join(run("vdispd", "--help").stdout.split()))
 
     def test_every_instruction_set_gives_the_same_files(self):
-        plain = self.dump("plain", "--cpu", "plain")
-        for level in levels()[1:]:
-            self.assert_same(plain, self.dump(level, "--cpu", level))
+        for sets in MATCHERS:
+            plain = self.dump(sets, "--cpu", "plain")
+            for level in levels()[1:]:
+                with self.subTest(level=level, sets=sets):
+                    self.assert_same(plain, self.dump(sets, "--cpu", level))
 
     def test_every_number_of_threads_gives_the_same_files(self):
-        one = self.dump("1", "--set", "main.threads=1")
-        for threads in (2, 3, 16):
-            self.assert_same(one, self.dump(str(threads), "--set", f"main.threads={threads}"))
+        for sets in MATCHERS:
+            one = self.dump(sets, "--set", "main.threads=1")
+            for threads in (2, 3, 16):
+                with self.subTest(threads=threads, sets=sets):
+                    self.assert_same(one, self.dump(sets, "--set", f"main.threads={threads}"))
 
     def test_the_log_tells_level_and_threads(self):
         def log(*arguments):

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstring>
 #include <random>
 
 #include "daemon/stages/rectify.h"
@@ -117,7 +119,20 @@ TEST_P(DisparityTest, images_of_two_sizes_are_refused) {
   EXPECT_THROW(stage.check(std::array{left.spec(), left.spec(), left.spec()}), FormatError);
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("bm", "opencv", "opencv-sgbm"), [](const auto& test) {
+TEST_P(DisparityTest, smoothed_views_are_matched_as_well) {
+  shifted(7);
+  match();
+  const int as_they_are = found();
+  for (const char* word : {"mean", "median"}) {
+    config.image_source.smooth = word;
+    ASSERT_EQ(match(), Outcome::valid);
+    EXPECT_GT(found(), as_they_are * 0.9) << word;
+    for (int v = 10; v < height - 10; ++v)
+      for (int u = 70; u < width - 20; ++u) ASSERT_NEAR(at(v, u), 112, 4) << word << v << ' ' << u;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("bm", "census", "opencv", "opencv-sgbm"), [](const auto& test) {
   std::string name = test.param;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -148,7 +163,182 @@ TEST_P(BlockMatchingTest, a_higher_thresh_rejects_more_for_texture) {
   EXPECT_GT(last, 1000);
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("bm", "opencv"));
+INSTANTIATE_TEST_SUITE_P(Matchers, BlockMatchingTest, testing::Values("bm", "census", "opencv"));
+
+/// What block matching compares: key and word.
+struct Codes {
+  const char *matcher, *prefilter, *census;
+};
+
+struct MatchedViewsTest : testing::TestWithParam<Codes> {
+  Config config;
+  MatchedViewsTest() {
+    config.image_source.matcher = GetParam().matcher;
+    config.image_source.prefilter = GetParam().prefilter;
+    config.image_source.census = GetParam().census;
+  }
+};
+
+/// A textured floor under a camera 0.4 m high, 0.1 rad down, f = 400 px, B = 0.1 m: 1/4 px of disparity a row, the truth by arithmetic.
+struct FlatFloor {
+  static constexpr int width = 320, height = 240;
+  static constexpr double f = 400, baseline = 0.1, up = 0.4, pitch = 0.1, cx = 160, cy = 120;
+  static constexpr double disparity(int v) { return baseline / up * (std::sin(pitch) * f + std::cos(pitch) * (v - cy)); }
+  Picture left{Pixel::gray8, width, height}, right{Pixel::gray8, width, height};
+
+  /// Each row has a texture of its own, smooth over `grain` px; the left camera sees it `disparity` further right.
+  explicit FlatFloor(double gain = 1) {
+    std::mt19937 random(8);
+    for (int v = 0; v < height; ++v) {
+      std::array<double, 256> texture;
+      for (double& value : texture) value = 60 + static_cast<double>(random() % 120);
+      const auto at = [&](double x) {
+        const double place = x / 2 + 40, part = place - std::floor(place);
+        const auto i = static_cast<size_t>(place);
+        return texture[i] * (1 - part) + texture[i + 1] * part;
+      };
+      for (int u = 0; u < width; ++u) {
+        right.at<uint8_t>(v, u) = static_cast<uint8_t>(gain * at(u));
+        left.at<uint8_t>(v, u) = static_cast<uint8_t>(at(u - disparity(v)));
+      }
+    }
+    for (Picture* view : {&left, &right})
+      view->image().camera = {
+          static_cast<float>(f), static_cast<float>(cx), static_cast<float>(cy), static_cast<float>(baseline), 0, 0, 0, {}};
+  }
+};
+
+/// Share of the lower third with a disparity, and of these within 1 px of the truth.
+std::pair<double, double> floor_found(Picture& disparity) {
+  int all = 0, found = 0, right = 0;
+  for (int v = FlatFloor::height * 2 / 3; v < FlatFloor::height - 10; ++v) {
+    for (int u = 70; u < FlatFloor::width - 20; ++u) {
+      const int16_t d = disparity.at<int16_t>(v, u);
+      ++all;
+      if (rejected_code(d) != 0) continue;
+      ++found;
+      right += std::abs(d / 16.0 - FlatFloor::disparity(v)) <= 1;
+    }
+  }
+  return {static_cast<double>(found) / all, static_cast<double>(right) / std::max(found, 1)};
+}
+
+TEST_P(MatchedViewsTest, a_slanted_floor_is_found_where_it_is_expected) {
+  FlatFloor floor;
+  config.mounting.height = static_cast<float>(FlatFloor::up);
+  config.mounting.pitch = static_cast<float>(FlatFloor::pitch);
+  std::vector<std::unique_ptr<Picture>> out;
+  Machine machine;
+  std::array<double, 2> share;
+  for (const char* align : {"none", "floor"}) {
+    config.image_source.align = align;
+    Disparity stage(machine, config);
+    ASSERT_EQ(run_stage(stage, {&floor.left, &floor.right}, out), Outcome::valid);
+    const auto [found, right] = floor_found(*out[0]);
+    share[align[0] == 'f'] = found;
+    EXPECT_GT(right, 0.98) << align;
+  }
+  EXPECT_GT(share[1], 0.9);
+  EXPECT_GE(share[1], share[0]);
+}
+
+TEST_P(MatchedViewsTest, threads_and_instruction_sets_change_nothing) {
+  FlatFloor floor(0.9);
+  config.mounting.height = static_cast<float>(FlatFloor::up);
+  config.mounting.pitch = static_cast<float>(FlatFloor::pitch);
+  for (const char* smooth : {"none", "median"}) {
+    config.image_source.smooth = smooth;
+    std::vector<std::unique_ptr<Picture>> expected, out;
+    Machine plain(1, "plain");
+    Disparity stage(plain, config);
+    ASSERT_EQ(run_stage(stage, {&floor.left, &floor.right}, expected), Outcome::valid);
+    for (const std::string& level : kernels::levels()) {
+      Machine machine(3, level);
+      Disparity other(machine, config);
+      ASSERT_EQ(run_stage(other, {&floor.left, &floor.right}, out), Outcome::valid);
+      for (int v = 0; v < FlatFloor::height; ++v)
+        ASSERT_EQ(std::memcmp(out[0]->image().row<int16_t>(v), expected[0]->image().row<int16_t>(v), 2 * FlatFloor::width), 0)
+            << level << smooth << v;
+    }
+  }
+}
+
+TEST_P(MatchedViewsTest, texture_means_the_same_whatever_is_matched) {
+  FlatFloor floor;
+  // Half of the view is blank.
+  for (Picture* view : {&floor.left, &floor.right})
+    for (int v = 0; v < 120; ++v) std::memset(view->image().row<uint8_t>(v), 128, FlatFloor::width);
+  const auto blank = [&](const Config& c) {
+    Machine machine;
+    Disparity stage(machine, c);
+    std::vector<std::unique_ptr<Picture>> out;
+    run_stage(stage, {&floor.left, &floor.right}, out);
+    std::vector<bool> at;
+    for (int v = 0; v < FlatFloor::height; ++v)
+      for (int u = 0; u < FlatFloor::width; ++u) at.push_back(out[0]->at<int16_t>(v, u) == rejected(Rejected::low_texture));
+    return at;
+  };
+  Config sobel;
+  const auto expected = blank(sobel);
+  EXPECT_EQ(blank(config), expected);
+  EXPECT_GT(std::count(expected.begin(), expected.end(), true), 20000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Codes, MatchedViewsTest,
+                         testing::Values(Codes{"bm", "sobel", "3x3"}, Codes{"bm", "log", "3x3"}, Codes{"census", "sobel", "3x3"},
+                                         Codes{"census", "sobel", "5x5"}),
+                         [](const auto& test) {
+                           const Codes& c = test.param;
+                           return std::string(c.matcher) + "_" + (c.matcher[0] == 'b' ? c.prefilter : c.census);
+                         });
+
+TEST(Disparity, census_does_not_mind_how_bright_one_view_is) {
+  FlatFloor dark(0.5);
+  Machine machine;
+  Config config;
+  config.image_source.align = "none";
+  std::array<double, 2> share;
+  for (const char* matcher : {"bm", "census"}) {
+    config.image_source.matcher = matcher;
+    Disparity stage(machine, config);
+    std::vector<std::unique_ptr<Picture>> out;
+    run_stage(stage, {&dark.left, &dark.right}, out);
+    share[matcher[0] == 'c'] = floor_found(*out[0]).first;
+  }
+  EXPECT_GT(share[1], 0.8);
+  EXPECT_GT(share[1], share[0]);
+}
+
+std::string refusal(const Config& config) {
+  Machine machine;
+  try {
+    const ImageSpec view{Pixel::gray8, 0, width, height};
+    Disparity(machine, config).check(std::array{view, view});
+    return "";
+  } catch (const FormatError& error) {
+    return error.what();
+  }
+}
+
+TEST(Disparity, keys_of_another_matcher_are_refused_while_building) {
+  Config config;
+  config.image_source.prefilter = "log";
+  EXPECT_EQ(refusal(config), "");
+  for (const char* matcher : {"census", "opencv", "opencv-sgbm"}) {
+    config.image_source.matcher = matcher;
+    EXPECT_EQ(refusal(config), std::string("prefilter = log is for matcher = bm, and the matcher is ") + matcher +
+                                   "; prefilter = sobel, or none in the file, would fit");
+  }
+  config = Config();
+  config.image_source.census = "5x5";
+  for (const char* matcher : {"bm", "opencv"}) {
+    config.image_source.matcher = matcher;
+    EXPECT_EQ(refusal(config), std::string("census = 5x5 is for matcher = census, and the matcher is ") + matcher +
+                                   "; census = 3x3, or none in the file, would fit");
+  }
+  config.image_source.matcher = "census";
+  EXPECT_EQ(refusal(config), "");
+}
 
 TEST(Rectify, without_calibration_the_image_passes_unchanged) {
   Machine machine;

@@ -35,6 +35,7 @@ CameraGeometry geometry(const StereoView& view, int ndisp, int min_disparity = 0
 
 struct StagesTest : testing::Test {
   Config config;
+  Machine machine;
   std::vector<std::unique_ptr<Picture>> out, floor, limit;
   Picture disparity{Pixel::disparity16, width, height};
   Picture vdisparity{Pixel::count16, 768, height};
@@ -52,7 +53,7 @@ struct StagesTest : testing::Test {
   }
   Outcome find_floor(uint64_t sequence = 0) {
     vdisparity.image().sequence = sequence;
-    Floor stage(config);
+    Floor stage(machine, config);
     return run_stage(stage, {&vdisparity}, floor);
   }
   const FloorModel& model() { return *record_of<FloorModel>(floor.at(1)->image()); }
@@ -77,7 +78,7 @@ struct StagesTest : testing::Test {
     disparity.at<int16_t>(v, u) = static_cast<int16_t>(std::lround(16 * paper.disparity(c.z)));
   }
   void make_map() {
-    Map stage(config);
+    Map stage(machine, config);
     ASSERT_EQ(run_stage(stage, {&disparity, limit[0].get(), floor[1].get()}, out), Outcome::valid);
   }
   int total(Picture& map) {
@@ -92,7 +93,7 @@ TEST_F(StagesTest, vdisparity_counts_each_disparity_in_its_row) {
   disparity.at<int16_t>(7, 100) = disparity.at<int16_t>(7, 300) = 5 * 16 + 3;
   disparity.at<int16_t>(8, 100) = 1;
   disparity.at<int16_t>(9, 100) = 0;  // infinity is no vote (algorithm 1: disp > 0)
-  VDisparity stage(config);
+  VDisparity stage(machine, config);
   ASSERT_EQ(run_stage(stage, {&disparity}, out), Outcome::valid);
   EXPECT_EQ(out[0]->spec(), (ImageSpec{Pixel::count16, 0, 768, height}));
   EXPECT_EQ(out[0]->at<int16_t>(7, 83), 2);
@@ -106,7 +107,7 @@ TEST_F(StagesTest, vdisparity_columns_begin_at_the_least_disparity) {
   disparity.image().camera = geometry(paper, 32, 10);
   disparity.at<int16_t>(0, 0) = 10 * 16 + 5;
   disparity.at<int16_t>(0, 1) = 42 * 16;  // beyond the search
-  VDisparity stage(config);
+  VDisparity stage(machine, config);
   ASSERT_EQ(run_stage(stage, {&disparity}, out), Outcome::valid);
   EXPECT_EQ(out[0]->at<int16_t>(0, 5), 1);
   EXPECT_EQ(total(*out[0]), 1);
@@ -238,7 +239,7 @@ TEST_F(StagesTest, obstacles_are_what_lies_higher_than_max_height) {
   see({0.0, paper_height - 0.25, 2});
   see({0.3, paper_height - 0.15, 2});
   see({-0.3, paper_height + 0.3, 2});  // below the floor
-  ShowObstacle stage;
+  ShowObstacle stage(machine);
   ASSERT_EQ(run_stage(stage, {&disparity, limit[0].get()}, out), Outcome::valid);
   int marked = 0;
   for (int v = 0; v < height; ++v)
@@ -254,7 +255,7 @@ TEST_F(StagesTest, an_obstacle_on_floor_below_the_picture_is_seen) {
   const double d = 767 / 16.0;
   EXPECT_GT(floor[0]->at<int16_t>(0, 767), height);
   disparity.at<int16_t>(300, 320) = static_cast<int16_t>(16 * d);
-  ShowObstacle stage;
+  ShowObstacle stage(machine);
   run_stage(stage, {&disparity, limit[0].get()}, out);
   EXPECT_EQ(out[0]->at<uint8_t>(300, 320), 255);
 }
