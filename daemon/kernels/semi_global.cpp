@@ -43,19 +43,27 @@ namespace {
 constexpr int block = SemiGlobalVolume::block;
 
 /// Offsets (x, y) of the pixels compared with those opposite. Dense near the centre, wide enough for faint texture.
-constexpr std::array<std::array<int, 2>, 16> pairs{{{1, 0}, {2, 0}, {3, 0}, {4, 0}, {-2, 1}, {0, 1}, {2, 1}, {-3, 1},
-                                                    {3, 1}, {-1, 2}, {1, 2}, {0, 2}, {-3, 2}, {3, 2}, {-1, 3}, {1, 3}}};
+constexpr std::array<std::array<int, 2>, 16> pairs{
+    {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {-2, 1}, {0, 1}, {2, 1}, {-3, 1}, {3, 1}, {-1, 2}, {1, 2}, {0, 2}, {-3, 2}, {3, 2}, {-1, 3}, {1, 3}}};
 
 /// One disparity of one pixel in a row of the volume.
 uint8_t* at(uint8_t* row, const SemiGlobalVolume& volume, int column, int i) {
   return row + static_cast<ptrdiff_t>(volume.block_bytes()) * (column / block) + i * block + column % block;
 }
 
-int code_cost(const SemiGlobal& s, int row, int column, int i) {
-  const int y = std::clamp(row, 0, s.image.height - 1), x = s.first_column() + std::clamp(column, 0, s.columns() - 1);
-  const int there = x - s.min_disparity - i;
-  return std::popcount(static_cast<uint8_t>(s.left_low.row(y)[x] ^ s.right_low.row(y)[there])) +
-         std::popcount(static_cast<uint8_t>(s.left_high.row(y)[x] ^ s.right_high.row(y)[there]));
+/// Code differences of all disparities of a pixel, summed over 3 rows. Beyond the search stands what is at its borders.
+void sum_rows(const SemiGlobal& s, int row, int column, uint8_t* sums) {
+  const int x = s.first_column() + std::clamp(column, 0, s.columns() - 1);
+  std::fill_n(sums, s.disparities, uint8_t{0});
+  for (int v = row - 1; v <= row + 1; ++v) {
+    const int y = std::clamp(v, 0, s.image.height - 1);
+    const int low = s.left_low.row(y)[x], high = s.left_high.row(y)[x];
+    const uint8_t *there_low = s.right_low.row(y) + x - s.min_disparity, *there_high = s.right_high.row(y) + x - s.min_disparity;
+    for (int i = 0; i < s.disparities; ++i) {
+      const unsigned differ = static_cast<unsigned>((low ^ there_low[-i]) | (high ^ there_high[-i]) << 8);
+      sums[i] = static_cast<uint8_t>(sums[i] + std::popcount(differ));
+    }
+  }
 }
 
 /// What a path adds to the sums; `before` is the path's state one pixel back, null where the path begins.
@@ -100,15 +108,14 @@ void sparse_census(View8 image, int first, int last, Plane<uint8_t> low, Plane<u
 void paths_across(const SemiGlobal& s, int first, const SemiGlobalVolume& volume, uint8_t* work) {
   const int last = std::min(first + SemiGlobalVolume::rows_across, s.image.height), n = s.disparities, columns = s.columns();
   uint8_t *here = work, *before = work + n;
+  uint8_t* const over_rows[3] = {work + 2 * n, work + 3 * n, work + 4 * n};
   for (int y = first; y < last; ++y) {
     uint8_t *costs = volume.costs(y, 0), *sums = volume.sums(y, 0);
-    for (int x = 0; x < columns; ++x) {
-      for (int i = 0; i < n; ++i) {
-        int cost = 0;
-        for (int v = y - 1; v <= y + 1; ++v)
-          for (int u = x - 1; u <= x + 1; ++u) cost += code_cost(s, v, u, i);
-        *at(costs, volume, x, i) = static_cast<uint8_t>(cost / 4);
-        *at(sums, volume, x, i) = 0;
+    for (int x = -1; x <= columns && columns > 0; ++x) {
+      sum_rows(s, y, x, over_rows[(x + 1) % 3]);
+      for (int i = 0; x > 0 && i < n; ++i) {
+        *at(costs, volume, x - 1, i) = static_cast<uint8_t>((over_rows[0][i] + over_rows[1][i] + over_rows[2][i]) / 4);
+        *at(sums, volume, x - 1, i) = 0;
       }
     }
     for (int x = 0; x < columns; ++x, std::swap(here, before))
@@ -120,7 +127,8 @@ void paths_across(const SemiGlobal& s, int first, const SemiGlobalVolume& volume
   }
 }
 
-void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up, const SemiGlobalVolume& volume) {
+void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up,
+                const SemiGlobalVolume& volume) {
   const int n = s.disparities, rows = last_row - first_row, dy = up ? 1 : -1;
   const int first = first_block * block, last = std::min(last_block * block, s.columns()), reach = s.paths == 8 ? 1 : 0;
   const ptrdiff_t row_bytes = static_cast<ptrdiff_t>(std::max(last - first, 0)) * n;

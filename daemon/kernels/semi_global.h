@@ -26,9 +26,9 @@ struct SemiGlobal {
   int small = 16;         ///< penalty of a step of 1 px
   int large = 140;        ///< of any other, less 2^slope for each grey level between the two pixels, but at least large_least
   int large_least = 27, slope = 2;
-  int unique = 0;      ///< as in BlockSearch
-  int left_right = 0;  ///< as in BlockSearch
-  View8 image;         ///< the left view
+  int unique = 0;                                    ///< as in BlockSearch
+  int left_right = 0;                                ///< as in BlockSearch
+  View8 image;                                       ///< the left view
   View8 left_low, left_high, right_low, right_high;  ///< codes
 
   /// Columns [first, last) have their whole search inside the right view; where last <= first there are none.
@@ -76,7 +76,8 @@ class SemiGlobalVolume {
   Memory reserve(size_t bytes);
   size_t at(int row, int b) const {
     const size_t group = static_cast<size_t>(row % rows_ / rows_across), row_bytes = static_cast<size_t>(block * disparities_ + 64);
-    return (group * static_cast<size_t>(blocks_) + static_cast<size_t>(b)) * block_bytes() + static_cast<size_t>(row % rows_across) * row_bytes;
+    return (group * static_cast<size_t>(blocks_) + static_cast<size_t>(b)) * block_bytes() +
+           static_cast<size_t>(row % rows_across) * row_bytes;
   }
 
   int disparities_ = 0, rows_ = 0, blocks_ = 0;

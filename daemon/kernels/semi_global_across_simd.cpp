@@ -61,7 +61,7 @@ struct Work {
 constexpr int chunk = 4 * block;
 struct Chunk {
   HWY_ALIGN uint8_t over_rows[rows][chunk + 2 * block];  // differences summed over 3 rows, one column to either side
-  HWY_ALIGN uint8_t costs[4][rows][chunk];                // of the disparities that share a vector
+  HWY_ALIGN uint8_t costs[4][rows][chunk];               // of the disparities that share a vector
   HWY_ALIGN uint8_t turned[4][rows][block];
 };
 

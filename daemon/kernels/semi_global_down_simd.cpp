@@ -22,7 +22,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up, const SemiGlobalVolume& volume) {
+void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up,
+                const SemiGlobalVolume& volume) {
   plain::paths_down(s, first_block, last_block, first_row, last_row, up, volume);
 }
 #else
@@ -118,7 +119,8 @@ HWY_INLINE void row_of(D d, const Work& w, const SemiGlobalVolume& volume, int y
   }
 }
 
-void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up, const SemiGlobalVolume& volume) {
+void paths_down(const SemiGlobal& s, int first_block, int last_block, int first_row, int last_row, bool up,
+                const SemiGlobalVolume& volume) {
   const hn::CappedTag<uint8_t, 64> d;
   const Work w(s, first_block, last_block, volume.states(first_block));
   if (w.columns == 0) return;

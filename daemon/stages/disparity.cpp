@@ -16,6 +16,9 @@ void require_supported(const Config& config) {
   if (p.census != "3x3" && p.matcher != "census")
     throw FormatError("census = " + p.census + " is for matcher = census, and the matcher is " + p.matcher +
                       "; census = 3x3, or none in the file, would fit");
+  if (p.paths != "3" && p.matcher != "sgm")
+    throw FormatError("paths = " + p.paths + " is for matcher = sgm, and the matcher is " + p.matcher +
+                      "; paths = 3, or none in the file, would fit");
 }
 
 }  // namespace
@@ -24,6 +27,8 @@ Disparity::Disparity(Machine& machine, const Config& config)
     : machine_(machine), config_(config), expectation_(config), provisional_(machine, config), smoothing_(machine, config) {
   if (config.image_source.matcher == "bm" || config.image_source.matcher == "census") {
     block_.emplace(machine, config);
+  } else if (config.image_source.matcher == "sgm") {
+    semi_global_.emplace(machine, config);
   } else {
     opencv_.emplace(machine, config);
   }
@@ -48,6 +53,7 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
                       std::to_string(p.corrsize));
   const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
   if (block_) block_->prepare(out);
+  if (semi_global_) semi_global_->prepare(out);
   if (opencv_) opencv_->prepare(out);
   provisional_.prepare(out);
   smoothing_.prepare(out);
@@ -62,6 +68,8 @@ Outcome Disparity::process(std::span<const Image* const> in, std::span<Image* co
   const auto [left, right] = smoothing_.smooth(*in[0], *in[1]);
   if (block_) {
     match_blocks(*left, *right, in.size() == 3 && in[2]->valid() ? record_of<FloorModel>(*in[2]) : nullptr, disparity);
+  } else if (semi_global_) {
+    semi_global_->match(*left, *right, disparity);
   } else {
     opencv_->match(*left, *right, disparity);
   }

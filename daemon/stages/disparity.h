@@ -7,6 +7,7 @@
 #include "daemon/core/processor.h"
 #include "daemon/stages/block_matcher.h"
 #include "daemon/stages/opencv_matcher.h"
+#include "daemon/stages/semi_global_matcher.h"
 #include "daemon/stages/smoothing.h"
 
 namespace vdisp {
@@ -29,6 +30,7 @@ class Disparity final : public ImageProcessor {
   ProvisionalFloor provisional_;
   Smoothing smoothing_;
   std::optional<BlockMatcher> block_;  // one of these is set
+  std::optional<SemiGlobalMatcher> semi_global_;
   std::optional<OpenCvMatcher> opencv_;
   std::optional<kernels::SpeckleScratch> speckles_;
 };
