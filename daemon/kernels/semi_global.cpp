@@ -165,7 +165,7 @@ void paths_row(const SemiGlobal& s, int row, bool, const SemiGlobalVolume& volum
     out.cost[first + x] = static_cast<uint16_t>(cost);
     out.before[first + x] = *at(sums, volume, x, best > 0 ? best - 1 : best + 1);
     out.after[first + x] = *at(sums, volume, x, best + 1 < n ? best + 1 : best - 1);
-    out.refused[first + x] = 0;
+    out.refused[first + x] = cost > s.most ? candidate_not_unique : 0;
     for (int i = 0; s.unique > 0 && i < n; ++i)
       if (std::abs(i - best) > 1 && *at(sums, volume, x, i) <= more(cost, s.unique)) out.refused[first + x] = candidate_not_unique;
   }

@@ -23,10 +23,11 @@ struct SemiGlobal {
   int disparities = 64;   ///< multiple of 16, 16 .. 256
   int min_disparity = 0;  ///< px
   int paths = 3;          ///< 3: from the left, the right and above; 4: from below too; 8: the diagonals too, and every path counts half
-  int small = 16;         ///< penalty of a step of 1 px
-  int large = 140;        ///< of any other, less 2^slope for each grey level between the two pixels, but at least large_least
+  int small = 13;         ///< penalty of a step of 1 px
+  int large = 120;        ///< of any other, less 2^slope for each grey level between the two pixels, but at least large_least
   int large_least = 27, slope = 2;
   int unique = 0;                                    ///< as in BlockSearch
+  int most = 255;                                    ///< a sum of paths above it is no match, and counts as not unique
   int left_right = 0;                                ///< as in BlockSearch
   View8 image;                                       ///< the left view
   View8 left_low, left_high, right_low, right_high;  ///< codes

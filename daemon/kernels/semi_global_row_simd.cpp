@@ -78,12 +78,14 @@ HWY_INLINE void find_winners(D d, const SemiGlobal& s, const uint8_t* sums, int 
       last = sum;
     }
     after = hn::IfThenElse(was_best, before, after);
-    const auto rivalled = hn::VecFromMask(d, hn::Eq(hn::Min(rival, with_more(d, least, s.unique)), rival));
+    const auto alone = hn::SaturatedSub(rival, with_more(d, least, s.unique));
+    const auto rivalled = hn::VecFromMask(d, hn::Eq(s.unique > 0 ? alone : most, hn::Zero(d)));
+    const auto believed = hn::VecFromMask(d, hn::Eq(hn::SaturatedSub(least, hn::Set(d, static_cast<uint8_t>(s.most))), hn::Zero(d)));
     hn::StoreU(best, d, out.index + x);
     hn::StoreU(least, d, out.cost + x);
     hn::StoreU(before, d, out.before + x);
     hn::StoreU(after, d, out.after + x);
-    hn::StoreU(s.unique > 0 ? hn::And(rivalled, one) : hn::Zero(d), d, out.refused + x);
+    hn::StoreU(hn::And(hn::Or(rivalled, hn::Not(believed)), one), d, out.refused + x);
   }
 }
 

@@ -9,7 +9,8 @@ namespace vdisp {
 namespace {
 
 constexpr int rows_across = kernels::SemiGlobalVolume::rows_across;
-constexpr int left_right_margin = 10;  // percent, as in the block matcher
+constexpr int left_right_margin = 60;  // percent: sums of paths differ by little from one pixel to the next
+constexpr int most_of_path = 35;       // sum of a path above which it found nothing: noise and what one view alone sees
 constexpr int least_band = 8;          // rows
 
 }  // namespace
@@ -41,7 +42,8 @@ kernels::SemiGlobal SemiGlobalMatcher::search_in(const Image& left) const {
   search.disparities = p.ndisp;
   search.min_disparity = p.minDisparity;
   search.paths = paths_;
-  search.unique = kernels::percent_factor(p.unique) / 2;
+  search.unique = kernels::percent_factor(p.unique) / 4;
+  search.most = std::min(most_of_path * std::min(paths_, 4), 255);
   search.left_right = kernels::percent_factor(left_right_margin);
   search.image = {left.row<uint8_t>(0), left.spec.width, left.spec.height, static_cast<ptrdiff_t>(left.spec.stride())};
   search.left_low = left_.low;
@@ -78,8 +80,7 @@ void SemiGlobalMatcher::add_paths(const kernels::SemiGlobal& search, int first_r
   if (paths_ == 8) {
     machine_.kernels.paths_down(search, 0, blocks, first_row, last_row, up, volume_);
   } else {
-    machine_.bands.each(blocks,
-                        [&](int b, int) { machine_.kernels.paths_down(search, b, b + 1, first_row, last_row, up, volume_); });
+    machine_.bands.each(blocks, [&](int b, int) { machine_.kernels.paths_down(search, b, b + 1, first_row, last_row, up, volume_); });
   }
 }
 

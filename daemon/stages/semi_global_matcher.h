@@ -16,7 +16,7 @@ namespace vdisp {
 /// What the parameters of SVS (paper table 3) become:
 ///   ndisp, minDisparity  the disparities searched
 ///   unique               percent by which the best match must be better than any more than 1 px away. Sums of paths differ less than
-///                        sums of windows: half of it does the same
+///                        sums of windows: a quarter of it does the same
 ///   corrsize, thresh     not read: codes have a window of their own, and what has no texture takes the disparity of what is around it
 ///
 /// With 3 paths the image is done in groups of rows that stay in the cache; with more all of it is kept, 2 bytes for each pixel and
