@@ -196,7 +196,7 @@ class Parameters(ProgramTest):
                     self.assertEqual(error <= 1, said == order, (order, said, error))
 
     def test_image_source_smooth(self):
-        for matcher in ("bm", "census", "opencv"):
+        for matcher in ("bm", "census", "sgm", "opencv"):
             for word in ("mean", "median"):
                 self.rises("image source.smooth", ["none", word], lambda d: d.rejected("measured"), "sim.noise=10",
                            f"image source.matcher={matcher}")
@@ -218,6 +218,15 @@ class Parameters(ProgramTest):
         dense = "sim.scene=empty"
         self.assertGreater(self.dump(dense, "image source.matcher=opencv-sgbm").rejected("measured"),
                            self.dump(dense, "image source.matcher=opencv").rejected("measured"))
+
+        self.assertGreater(self.dump(dense, "image source.matcher=sgm").rejected("measured"),
+                           self.dump(dense, "image source.matcher=bm", "sim.texture=0.3").rejected("measured"))
+
+    def test_image_source_paths(self):
+        """Noise lets false matches through; more paths agree on fewer of them, and each changes what is found."""
+        noisy = ["image source.matcher=sgm", "sim.noise=12", "image source.unique=0"]
+        pictures = [self.dump(f"image source.paths={paths}", *noisy).picture("disparity") for paths in (3, 4, 8)]
+        self.assertTrue((pictures[0] != pictures[1]).any() and (pictures[1] != pictures[2]).any())
 
     def test_image_source_ndisp(self):
         self.rises("image source.ndisp", [32, 64], lambda d: d.picture("vdisparity").shape[1])

@@ -12,7 +12,9 @@ SMALL = ["image source.ndisp=32", "sim.width=320", "sim.height=240"]
 MATCHERS = [[],
             ["image source.prefilter=log", "image source.smooth=median", *SMALL],
             ["image source.matcher=census", "image source.smooth=mean", *SMALL],
-            ["image source.matcher=census", "image source.census=5x5", *SMALL]]
+            ["image source.matcher=census", "image source.census=5x5", *SMALL],
+            ["image source.matcher=sgm", *SMALL],
+            ["image source.matcher=sgm", "image source.paths=8", *SMALL]]
 
 
 def levels():

@@ -132,7 +132,7 @@ TEST_P(DisparityTest, smoothed_views_are_matched_as_well) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("bm", "census", "opencv", "opencv-sgbm"), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(Matchers, DisparityTest, testing::Values("bm", "census", "sgm", "opencv", "opencv-sgbm"), [](const auto& test) {
   std::string name = test.param;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -338,6 +338,45 @@ TEST(Disparity, keys_of_another_matcher_are_refused_while_building) {
   }
   config.image_source.matcher = "census";
   EXPECT_EQ(refusal(config), "");
+  config = Config();
+  config.image_source.paths = "8";
+  EXPECT_EQ(refusal(config), "paths = 8 is for matcher = sgm, and the matcher is bm; paths = 3, or none in the file, would fit");
+  config.image_source.matcher = "sgm";
+  EXPECT_EQ(refusal(config), "");
+}
+
+TEST(SemiGlobalMatcher, sees_a_slanted_floor_without_being_told_where_it_is) {
+  FlatFloor floor;
+  Machine machine;
+  Config config;
+  config.image_source.align = "none";
+  const auto look = [&](const char* matcher, const char* paths) {
+    config.image_source.matcher = matcher;
+    config.image_source.paths = paths;
+    std::vector<std::unique_ptr<Picture>> out;
+    Disparity stage(machine, config);
+    EXPECT_EQ(run_stage(stage, {&floor.left, &floor.right}, out), Outcome::valid);
+    return floor_found(*out[0]);
+  };
+  const double windows = look("bm", "3").first;
+  for (const char* paths : {"3", "4", "8"}) {
+    const auto [found, right] = look("sgm", paths);
+    EXPECT_GT(found, std::max(windows, 0.95)) << paths;
+    EXPECT_GT(right, 0.98) << paths;
+  }
+}
+
+TEST(SemiGlobalMatcher, claims_nothing_in_a_blank_image) {
+  Machine machine;
+  Config config;
+  config.image_source.matcher = "sgm";
+  Picture blank{Pixel::gray8, 200, 80};
+  blank.fill<uint8_t>([](int, int) { return 128; });
+  std::vector<std::unique_ptr<Picture>> out;
+  Disparity stage(machine, config);
+  ASSERT_EQ(run_stage(stage, {&blank, &blank}, out), Outcome::valid);
+  for (int v = 0; v < 80; ++v)
+    for (int u = 0; u < 200; ++u) ASSERT_LT(out[0]->at<int16_t>(v, u), rejected_base) << v << ' ' << u;
 }
 
 TEST(Rectify, without_calibration_the_image_passes_unchanged) {
