@@ -58,7 +58,8 @@ class SemiGlobalVolume {
   uint8_t* costs(int row, int b) const { return costs_.get() + at(row, b); }
   uint8_t* sums(int row, int b) const { return sums_.get() + at(row, b); }
   int rows() const { return rows_; }
-  size_t block_bytes() const { return block * column_bytes(disparities_); }  ///< from block to block of a row
+  size_t row_bytes() const { return static_cast<size_t>(block * disparities_ + 64); }  ///< from row to row of a group
+  size_t block_bytes() const { return block * column_bytes(disparities_); }            ///< from block to block of a row
   /// Where the paths from above or below have got to; the kernels' own.
   uint8_t* states(int first_block) const { return states_.get() + static_cast<size_t>(first_block) * state_bytes_; }
   /// Work space of one call; the kernels' own.

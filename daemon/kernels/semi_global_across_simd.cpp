@@ -31,27 +31,29 @@ constexpr int rows = SemiGlobalVolume::rows_across, block = SemiGlobalVolume::bl
 
 /// What one call works with; see SemiGlobalVolume's constructor for its size.
 struct Work {
-  Work(const SemiGlobal& search, const SemiGlobalVolume& to, int first_row, uint8_t* memory)
+  Work(const SemiGlobal& search, const SemiGlobalVolume& volume, int first_row, uint8_t* memory)
       : s(search),
-        volume(to),
         n(search.disparities),
         columns(search.columns()),
         blocks((columns + block - 1) / block),
         first(first_row),
-        column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::column_bytes(n))) {
+        column_stride(static_cast<ptrdiff_t>(SemiGlobalVolume::column_bytes(n))),
+        row_stride(static_cast<ptrdiff_t>(volume.row_bytes())),
+        block_stride(static_cast<ptrdiff_t>(volume.block_bytes())),
+        row_costs(volume.costs(first, 0)),
+        row_sums(volume.sums(first, 0)) {
     const auto take = [&memory](ptrdiff_t bytes) { return std::exchange(memory, memory + (bytes + 63) / 64 * 64); };
-    costs = volume.sums(first, 0);
+    costs = row_sums;
     edges = take(n * rows);
     sums = take(blocks * block * column_stride);
     jumps = take((columns + 2) * rows);
     state = take(n * rows + 128) + 64;
   }
-  int last_row() const { return std::min(first + rows, s.image.height) - 1; }
 
   const SemiGlobal& s;
-  const SemiGlobalVolume& volume;
   int n, columns, blocks, first;
-  ptrdiff_t column_stride;
+  ptrdiff_t column_stride, row_stride, block_stride;
+  uint8_t *row_costs, *row_sums;  // the group's place in the volume; it has all 16 rows, also at the end of the image
   // Costs and sums by columns. A block's costs stand where its sums will: the last path is done with them by then.
   uint8_t *costs, *sums, *jumps, *state;
   uint8_t* edges;  // differences summed over 3 rows left of the columns at work
@@ -90,7 +92,7 @@ HWY_INLINE void sum_rows(D d, const Work& w, int i, int x, const Put& put) {
 
 /// The costs of disparity i in 16 rows and the columns [from, from + width): to the volume, and for turning.
 template <class D>
-HWY_INLINE void fill_costs(D d, const Work& w, int i, int from, int width, Chunk& c, uint8_t (*costs)[chunk]) {
+HWY_INLINE void fill_costs(D d, const Work& w, int i, int from, int width, Chunk& c) {
   const int lanes = static_cast<int>(hn::Lanes(d)), end = std::min(width, w.columns - from);
   for (int x = 0; x < width; x += lanes)
     sum_rows(d, w, i, from + x, [&](int r, const auto& sums) HWY_ATTR { hn::StoreU(sums, d, c.over_rows[r] + block + x); });
@@ -104,11 +106,12 @@ HWY_INLINE void fill_costs(D d, const Work& w, int i, int from, int width, Chunk
   }
   if (from + end < w.columns)
     sum_rows(d, w, i, from + end, [&](int r, const auto& sums) HWY_ATTR { c.over_rows[r][block + end] = hn::GetLane(sums); });
-  for (int r = 0; r < rows; ++r) {
-    for (int x = 0; x < width; x += lanes) {
+  for (int x = 0; x < width; x += lanes) {
+    uint8_t* out = w.row_costs + (from + x) / block * w.block_stride + i * block + x % block;
+    for (int r = 0; r < rows; ++r) {
       const uint8_t* sums = c.over_rows[r] + block + x;
       const auto sum = hn::Add(hn::Add(hn::LoadU(d, sums - 1), hn::LoadU(d, sums + 1)), hn::LoadU(d, sums));
-      hn::StoreU(hn::ShiftRight<2>(sum), d, costs[r] + x);
+      hn::StoreU(hn::ShiftRight<2>(sum), d, out + r * w.row_stride);
     }
   }
 }
@@ -180,15 +183,11 @@ HWY_INLINE void make_costs(D d, const Work& w) {
   for (int from = 0; from < w.blocks * block; from += chunk) {
     const int width = std::min(chunk, w.blocks * block - from);
     for (int k = 0; k < steps; ++k) {
-      for (int g = 0; g < groups; ++g) fill_costs(d, w, g * steps + k, from, width, c, c.costs[g]);
+      for (int g = 0; g < groups; ++g) fill_costs(d, w, g * steps + k, from, width, c);
       for (int x = 0; x < width; x += block) {
         for (int g = 0; g < groups; ++g) {
-          for (int lane = 0; lane < block; lane += lanes) turn(d, c.costs[g][0] + x + lane, chunk, c.turned[g][0] + lane, block);
-          for (int y = w.first; y <= w.last_row(); ++y) {
-            const uint8_t* in = c.costs[g][y - w.first] + x;
-            uint8_t* out = w.volume.costs(y, (from + x) / block) + (g * steps + k) * block;
-            for (int lane = 0; lane < block; lane += lanes) hn::StoreU(hn::LoadU(d, in + lane), d, out + lane);
-          }
+          const uint8_t* in = w.row_costs + (from + x) / block * w.block_stride + (g * steps + k) * block;
+          for (int lane = 0; lane < block; lane += lanes) turn(d, in + lane, w.row_stride, c.turned[g][0] + lane, block);
         }
         uint8_t* out = w.costs + (from + x) * w.column_stride + k * lanes;
         for (int lane = 0; lane < block; lane += lanes)
@@ -203,18 +202,15 @@ HWY_INLINE void make_costs(D d, const Work& w) {
 template <class D>
 HWY_INLINE void turn_back(D d, const Work& w, int b) {
   const int lanes = static_cast<int>(hn::Lanes(d)), groups = lanes / 16, steps = w.n / groups;
-  HWY_ALIGN uint8_t turned[4][rows][block], sums[rows][block];
+  HWY_ALIGN uint8_t turned[4][rows][block];
   for (int k = 0; k < steps; ++k) {
     const uint8_t* in = w.sums + b * block * w.column_stride + k * lanes;
     for (int lane = 0; lane < block; lane += lanes)
       for (int column = 0; column < 16; ++column)
         turn_blocks(d, in + (lane + column) * w.column_stride, 16 * w.column_stride, turned[0][column] + lane, rows * block);
     for (int g = 0; g < groups; ++g) {
-      for (int lane = 0; lane < block; lane += lanes) turn(d, turned[g][0] + lane, block, sums[0] + lane, block);
-      for (int y = w.first; y <= w.last_row(); ++y) {
-        uint8_t* out = w.volume.sums(y, b) + (g * steps + k) * block;
-        for (int lane = 0; lane < block; lane += lanes) hn::StoreU(hn::LoadU(d, sums[y - w.first] + lane), d, out + lane);
-      }
+      uint8_t* out = w.row_sums + b * w.block_stride + (g * steps + k) * block;
+      for (int lane = 0; lane < block; lane += lanes) turn(d, turned[g][0] + lane, block, out + lane, w.row_stride);
     }
   }
 }
@@ -222,7 +218,7 @@ HWY_INLINE void turn_back(D d, const Work& w, int b) {
 /// For each column but the first what a jump from the column before costs, of 16 rows.
 HWY_INLINE void fill_jumps(const Work& w) {
   for (int r = 0; r < rows; ++r) {
-    const uint8_t* pixels = w.s.image.row(std::min(w.first + r, w.last_row())) + w.s.first_column();
+    const uint8_t* pixels = w.s.image.row(std::min(w.first + r, w.s.image.height - 1)) + w.s.first_column();
     for (int x = 1; x < w.columns; ++x) {
       const int step = pixels[x] > pixels[x - 1] ? pixels[x] - pixels[x - 1] : pixels[x - 1] - pixels[x];
       w.jumps[x * rows + r] = static_cast<uint8_t>(w.s.jump(step));
