@@ -10,7 +10,7 @@ from evaluation.truth import SceneTruth, compare_map
 DEGREE = math.pi / 180
 PAPER = {"image source.source": "sim", "sim.rate": 0, "sim.cameraHeight": 0.8, "sim.pitch": 0.2618}
 GRID = geometry.Grid()
-MATCHERS = ("opencv", "opencv-sgbm")
+MATCHERS = ("bm", "sgm")
 
 
 def percentile(values, share):
@@ -66,7 +66,7 @@ def floor_section(daemon, section):
                      "pitch error p50 [deg]": percentile(pitch, 50), "p90": percentile(pitch, 90), "max": max(pitch),
                      "height error p50 [%]": percentile(height, 50), "p90 ": percentile(height, 90), "max ": max(height),
                      "frames within": mean(good), "outside": outside})
-        if matcher == "opencv":
+        if matcher == "bm":
             missed = sorted({s for (s, _, _), g in zip(looks, good) if not g})
             section.gate("every frame: pitch within 0.3 deg and height within 1 % of the truth", all(good),
                          f"{sum(good)} of {len(good)} frames; pitch at most {max(pitch):.2f} deg off, height {max(height):.2f} %"
@@ -105,7 +105,7 @@ def obstacle_section(daemon, section):
                      "false cells": sum(m["false"] for m in maps), "frames with false": len(false),
                      "distance p50 [m]": percentile([d for m in maps for d in m["distances"]], 50),
                      "p90": percentile([d for m in maps for d in m["distances"]], 90), "missed": missed, "false": false})
-        if matcher == "opencv":
+        if matcher == "bm":
             where = ", ".join(f"seed {o['seed']} frame {o['frame']} object {o['number']} ({o['kind']})" for o in missed[:8])
             found = f"{hits} of {must} = {100 * hits / max(must, 1):.2f} %" + (f"; missed: {where}" if where else "")
             section.gate("obstacles >= 0.3 m, 1 to 4.5 m away, matchable: an obstacle cell within one cell of the front",
@@ -123,7 +123,7 @@ def obstacle_section(daemon, section):
 def free_section(daemon, section):
     rows = []
     for matcher in MATCHERS:
-        seeds, frames = (4, 25) if daemon.quick or matcher != "opencv" else (20, 50)
+        seeds, frames = (4, 25) if daemon.quick or matcher != "bm" else (20, 50)
         sets = {**PAPER, "image source.matcher": matcher, "sim.scene": "empty"}
         runs = [(f"empty-{matcher}/{s}", {**sets, "sim.seed": s}, frames) for s in range(1, seeds + 1)]
 
@@ -137,7 +137,7 @@ def free_section(daemon, section):
         blind = sum(not valid for _, valid, _, _ in looks)
         rows.append({"matcher": matcher, "frames": len(looks), "blind frames": blind, "frames with a cell": len(wrong),
                      "cells": sum(len(w["cells"]) for w in wrong), "wrong": wrong[:50]})
-        if matcher == "opencv":
+        if matcher == "bm":
             section.gate("no obstacle cell on free ground, and no blind frame", not wrong and not blind,
                          f"{len(wrong)} of {len(looks)} frames have one, {blind} are blind"
                          + (f"; first: seed {wrong[0]['seed']} frame {wrong[0]['frame']}" if wrong else ""), "0")
