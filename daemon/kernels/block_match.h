@@ -23,8 +23,8 @@ enum class Cost {
 /// Bytes behind each row of a mirrored plane that are read, whatever they hold.
 inline constexpr int mirrored_margin = 64;
 
-/// One search. The planes hold pre-filtered pixels or census codes. Those of the right view are mirrored: the pixel of column x stands
-/// at width - 1 - x, so that the candidates of a pixel lie side by side in memory.
+/// One search. The planes hold pre-filtered pixels, at most 127, or census codes. Those of the right view are mirrored: the pixel of column
+/// x stands at width - 1 - x, so that the candidates of a pixel lie side by side in memory.
 struct BlockSearch {
   Cost cost = Cost::differences;
   int cap = 23;           ///< most that a pixel may cost; window * cap <= 255

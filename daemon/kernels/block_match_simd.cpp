@@ -61,15 +61,26 @@ struct Row {
   int16_t* next(int p, int16_t* costs) const { return (p + 1) & (slots - 1) ? costs + slot_words() : ring + pad; }
 };
 
+/// What a pixel may cost at most, and for bits which count; nothing beyond the last disparity, so that sums stay there what they were.
+template <Cost cost, class D8>
+HWY_INLINE hn::Vec<D8> most_of(D8 d8, const BlockSearch& s, int i) {
+  const hn::RebindToSigned<D8> di8;
+  const auto most = hn::Set(d8, cost == Cost::differences ? static_cast<uint8_t>(s.cap) : uint8_t{0xFF});
+  const int left = std::min(s.disparities - i, 64);
+  const auto inside = hn::RebindMask(d8, hn::Lt(hn::Iota(di8, 0), hn::Set(di8, static_cast<int8_t>(left))));
+  return hn::IfThenElseZero(inside, most);
+}
+
 template <Cost cost, class D8, class V8 = hn::Vec<D8> >
-HWY_INLINE V8 pixel_costs(D8 d8, const uint8_t* left, const uint8_t* right, const uint8_t* left2, const uint8_t* right2, V8 cap) {
+HWY_INLINE V8 pixel_costs(D8 d8, const uint8_t* left, const uint8_t* right, const uint8_t* left2, const uint8_t* right2, V8 most) {
   const V8 l = hn::Set(d8, *left), r = hn::LoadU(d8, right);
   if constexpr (cost == Cost::differences) {
-    return hn::Min(hn::Or(hn::SaturatedSub(l, r), hn::SaturatedSub(r, l)), cap);
+    const hn::RebindToSigned<D8> di8;
+    return hn::Min(hn::BitCast(d8, hn::Abs(hn::BitCast(di8, hn::Sub(l, r)))), most);
   } else {
     V8 bits = hn::PopulationCount(hn::Xor(l, r));
     if constexpr (cost == Cost::hamming_two) bits = hn::Add(bits, hn::PopulationCount(hn::Xor(hn::Set(d8, *left2), hn::LoadU(d8, right2))));
-    return bits;
+    return hn::And(bits, most);
   }
 }
 
@@ -79,7 +90,6 @@ void begin_columns(D8 d8, const Row<known>& row, int y_from, int y_to) {
   const BlockSearch& s = row.s;
   const int n8 = static_cast<int>(hn::Lanes(d8)), columns = row.pixels + s.window - 1, left = s.first_column() - s.window / 2;
   std::memset(row.columns - static_cast<ptrdiff_t>(s.window) * row.wide(), 0, static_cast<size_t>(columns + s.window) * row.wide());
-  const auto cap = hn::Set(d8, static_cast<uint8_t>(s.cap));
   for (int y = y_from; y < y_to; ++y) {
     const int there = s.left.width - 1 - left + s.min_disparity;
     const uint8_t *l = s.left.row(y) + left, *r = s.right.row(y) + there;
@@ -88,7 +98,8 @@ void begin_columns(D8 d8, const Row<known>& row, int y_from, int y_to) {
     for (int q = 0; q < columns; ++q) {
       for (int i = 0; i < row.wide(); i += n8) {
         uint8_t* to = row.columns + q * row.wide() + i;
-        hn::Store(hn::Add(hn::Load(d8, to), pixel_costs<cost>(d8, l + q, r - q + i, l2 + q, r2 - q + i, cap)), d8, to);
+        const auto costs = pixel_costs<cost>(d8, l + q, r - q + i, l2 + q, r2 - q + i, most_of<cost>(d8, s, i));
+        hn::Store(hn::Add(hn::Load(d8, to), costs), d8, to);
       }
     }
   }
@@ -101,22 +112,18 @@ HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
   const hn::Rebind<uint8_t, Words<D8> > part8;
   const int n8 = static_cast<int>(hn::Lanes(d8)), n16 = static_cast<int>(hn::Lanes(d16)), w = row.s.window;
   const int second = in_one<D8> ? 0 : n16;
-  const auto cap = hn::Set(d8, static_cast<uint8_t>(row.s.cap));
   for (int i = 0; i < row.wide(); i += n8) {
     auto sum0 = hn::Load(d16, row.sums + i), sum1 = hn::Load(d16, row.sums + i + second);
-    // What lies beyond the last disparity must never be the least.
-    const auto last = hn::Set(d16, static_cast<int16_t>(row.s.disparities - i - 1)), over = hn::Set(d16, above);
-    const auto beyond0 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, 0), last), over);
-    const auto beyond1 = hn::IfThenElseZero(hn::Gt(hn::Iota(d16, static_cast<int16_t>(second)), last), over);
+    const auto most = most_of<cost>(d8, row.s, i);
     for (int q = from; q < to; ++q) {
       uint8_t* column = row.columns + q * row.wide() + i;
       auto costs = hn::Load(d8, column);
       if constexpr (subtract) {
         costs =
-            hn::Sub(costs, pixel_costs<cost>(d8, row.left_old + q, row.right_old - q + i, row.left_old2 + q, row.right_old2 - q + i, cap));
+            hn::Sub(costs, pixel_costs<cost>(d8, row.left_old + q, row.right_old - q + i, row.left_old2 + q, row.right_old2 - q + i, most));
       }
       costs =
-          hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, cap));
+          hn::Add(costs, pixel_costs<cost>(d8, row.left_new + q, row.right_new - q + i, row.left_new2 + q, row.right_new2 - q + i, most));
       hn::Store(costs, d8, column);
       const uint8_t* gone = column - static_cast<ptrdiff_t>(w) * row.wide();
       const auto change = [&](int k) HWY_ATTR {
@@ -126,8 +133,8 @@ HWY_INLINE void sum_strip(D8 d8, const Row<known>& row, int from, int to) {
       if constexpr (!in_one<D8>) sum1 = hn::Add(sum1, change(n16));
       if (q < w - 1) continue;
       int16_t* to_costs = row.costs(q - (w - 1)) + i;
-      hn::Store(hn::Max(sum0, beyond0), d16, to_costs);
-      if constexpr (!in_one<D8>) hn::Store(hn::Max(sum1, beyond1), d16, to_costs + n16);
+      hn::Store(sum0, d16, to_costs);
+      if constexpr (!in_one<D8>) hn::Store(sum1, d16, to_costs + n16);
     }
     hn::Store(sum0, d16, row.sums + i);
     if constexpr (!in_one<D8>) hn::Store(sum1, d16, row.sums + i + n16);
@@ -324,7 +331,9 @@ void match_wide(D8 d8, const BlockSearch& s, int y, bool fresh, BlockScratch& sc
     fill_above(row.ring, slots * row.slot_words());
     begin_columns<cost>(d8, row, y - r, y + r);
   }
-  std::memset(row.sums, 0, sizeof(int16_t) * static_cast<size_t>(wide));
+  // What lies beyond the last disparity must never be the least.
+  std::fill_n(row.sums, s.disparities, int16_t{0});
+  fill_above(row.sums + s.disparities, wide - s.disparities);
   fill_above(row.right - pad, pixels + wide + 2 * pad);
   fill_above(row.costs(-1), wide);
 

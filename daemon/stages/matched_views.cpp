@@ -54,11 +54,11 @@ void MatchedViews::mirror(int first, int last, Codes& codes) noexcept {
   }
 }
 
-/// Rows above its own that a code is made of; the one row above of x-Sobel is not worth its price.
+/// Rows above its own that a code is made of.
 int MatchedViews::rows_above() const {
   switch (code_) {
-    case Code::sobel: return 0;
     case Code::log: return log_window / 2;
+    case Code::sobel:
     case Code::census3x3: return 1;
     case Code::census5x5: return 2;
   }

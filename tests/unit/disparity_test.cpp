@@ -263,6 +263,34 @@ TEST_P(MatchedViewsTest, threads_and_instruction_sets_change_nothing) {
   }
 }
 
+TEST_P(MatchedViewsTest, no_frame_depends_on_those_before_it) {
+  FlatFloor floor;
+  Picture noise(Pixel::gray8, FlatFloor::width, FlatFloor::height), model(record_spec<FloorModel>());
+  std::mt19937 random(4);
+  noise.fill<uint8_t>([&](int, int) { return static_cast<uint8_t>(random()); });
+  noise.image().camera = floor.left.image().camera;
+  const auto expect_floor_from = [&](double row) {
+    auto& record = make_record<FloorModel>(model.image());
+    record.state = FloorState::found;
+    record.a = 1 / (16 * (FlatFloor::disparity(1) - FlatFloor::disparity(0)));
+    record.b = row;
+  };
+  const double horizon = FlatFloor::cy - std::tan(FlatFloor::pitch) * FlatFloor::f;
+  Machine machine;
+  std::vector<std::unique_ptr<Picture>> alone, after;
+  expect_floor_from(horizon);
+  Disparity fresh(machine, config), used(machine, config);
+  ASSERT_EQ(run_stage(fresh, {&floor.left, &floor.right, &model}, alone), Outcome::valid);
+  expect_floor_from(horizon - 40);
+  ASSERT_EQ(run_stage(used, {&noise, &noise, &model}, after), Outcome::valid);
+  expect_floor_from(horizon);
+  const std::array<const Image*, 3> in{&floor.left.image(), &floor.right.image(), &model.image()};
+  const std::array<Image*, 1> out{&after[0]->image()};
+  ASSERT_EQ(used.process(in, out), Outcome::valid);
+  for (int v = 0; v < FlatFloor::height; ++v)
+    ASSERT_EQ(std::memcmp(after[0]->image().row<int16_t>(v), alone[0]->image().row<int16_t>(v), 2 * FlatFloor::width), 0) << v;
+}
+
 TEST_P(MatchedViewsTest, texture_means_the_same_whatever_is_matched) {
   FlatFloor floor;
   // Half of the view is blank.
