@@ -112,6 +112,28 @@ TEST_P(DisparityTest, narrow_images_are_refused_while_building) {
   }
 }
 
+TEST_P(DisparityTest, images_narrower_than_a_search_below_zero_are_refused_while_building) {
+  config.image_source.ndisp = 16;
+  config.image_source.minDisparity = -128;
+  config.image_source.corrsize = 21;
+  Disparity stage(machine, config);
+  const auto check = [&](uint16_t columns) {
+    const ImageSpec view{Pixel::gray8, 0, columns, 80};
+    stage.check(std::array{view, view});
+  };
+  try {
+    check(140);
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(),
+                 "the images are 140 columns wide, minDisparity = -128 with corrsize = 21 leaves none to search; minDisparity from -118 on "
+                 "would fit");
+  }
+  EXPECT_NO_THROW(check(150));
+  config.image_source.minDisparity = -118;
+  EXPECT_NO_THROW(check(140));
+}
+
 TEST_P(DisparityTest, images_of_two_sizes_are_refused) {
   Disparity stage(machine, config);
   EXPECT_THROW(stage.check(std::array{left.spec(), ImageSpec{Pixel::gray8, 0, 100, 80}}), FormatError);
