@@ -264,6 +264,34 @@ TEST_P(MatchedViewsTest, a_slanted_floor_is_found_where_it_is_expected) {
   EXPECT_GE(share[1], share[0]);
 }
 
+TEST_P(MatchedViewsTest, a_floor_too_near_for_the_search_hides_nothing_in_it) {
+  // A slope 24 px behind the floor expected, and its pattern comes again every 24: the floor would fit it better than a square window.
+  FlatFloor slope;
+  std::mt19937 random(2);
+  for (int v = 0; v < FlatFloor::height; ++v) {
+    std::array<double, 12> pattern;
+    for (double& value : pattern) value = 60 + static_cast<double>(random() % 120);
+    const auto at = [&](double x) {
+      const double place = x / 2 + 1200, part = place - std::floor(place);
+      const auto i = static_cast<size_t>(place);
+      return static_cast<uint8_t>(pattern[i % 12] * (1 - part) + pattern[(i + 1) % 12] * part);
+    };
+    for (int u = 0; u < FlatFloor::width; ++u) {
+      slope.left.at<uint8_t>(v, u) = at(u - FlatFloor::disparity(v) + 24);
+      slope.right.at<uint8_t>(v, u) = at(u);
+    }
+  }
+  config.mounting.height = static_cast<float>(FlatFloor::up);
+  config.mounting.pitch = static_cast<float>(FlatFloor::pitch);
+  config.image_source.ndisp = 16;
+  Machine machine;
+  Disparity stage(machine, config);
+  std::vector<std::unique_ptr<Picture>> out;
+  ASSERT_EQ(run_stage(stage, {&slope.left, &slope.right}, out), Outcome::valid);
+  for (int v = 184; v < 216; ++v)  // 2 to 10 px
+    for (int u = 40; u < FlatFloor::width - 20; ++u) ASSERT_NE(out[0]->at<int16_t>(v, u), rejected(Rejected::outside)) << v << ' ' << u;
+}
+
 TEST_P(MatchedViewsTest, threads_and_instruction_sets_change_nothing) {
   FlatFloor floor(0.9);
   config.mounting.height = static_cast<float>(FlatFloor::up);
