@@ -51,7 +51,7 @@ void resolve_row(const Resolve& r, const Hypothesis& match, const Hypothesis* fl
   for (int x = match.first; x < match.last; ++x) {
     Match taken = match_of(match, x, 0);
     if (floor && x >= floor->first && x < floor->last) {
-      const int ground = floor_disparity.at(x);
+      const int ground = floor_at(floor_disparity, x);
       taken = choose(r, taken, match_of(*floor, x, ground), ground, floor->candidates.home[x]);
     }
     const int disparity = taken.whole + sub_pixel(taken);

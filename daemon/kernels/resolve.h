@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "daemon/kernels/block_match.h"
@@ -28,12 +29,20 @@ struct Resolve {
 /// 1/16 px: disparities of two hypotheses are the same up to the one, and off the floor above the other.
 inline constexpr int same_disparity = 16, off_floor = 24;
 
+/// 1/16 px: a floor nearer or farther than this is taken as this near or far, outside of any search; what hypotheses say is counted from
+/// it in 16 bits, so that their min_disparity is -256 .. 256.
+inline constexpr int most_floor = 16 * 1024;
+inline int floor_at(const RowDisparity& floor_disparity, int column) {
+  return std::clamp(floor_disparity.at(column), -most_floor, most_floor);
+}
+
 /// Writes out[0 .. width): the disparity in 1/16 px, or the reason. Pixels outside [plain.first, plain.last) are outside.
+/// Of the candidates up to row_margin elements behind `last` are read, whatever they hold.
 ///
-/// `floor` is null, or the search in the view sheared by `floor_disparity`: its disparities are those plus floor_disparity.at(x), and its
-/// home is the floor itself. Of two hypotheses that say the same (same_disparity) the one that is not refused is taken, else the cheaper;
-/// of two that differ the cheaper, if it is so by `unique`. What is taken and lies off the floor (off_floor) must be cheaper than the
-/// floor by floor_margin: else the floor explains the pixel nearly as well, and the match is not unique.
+/// `floor` is null, or the search in the view sheared by `floor_disparity`: its disparities are those plus floor_at(x), and its home,
+/// which must be there, is the floor itself. Of two hypotheses that say the same (same_disparity) the one that is not refused is taken,
+/// else the cheaper; of two that differ the cheaper, if it is so by `unique`. What is taken and lies off the floor (off_floor) must be
+/// cheaper than the floor by floor_margin: else the floor explains the pixel nearly as well, and the match is not unique.
 ///
 /// Sub-pixel: the least of two lines of equal slope through the best cost and its neighbours, as fits sums of absolute differences,
 /// rounded to 1/16 px.

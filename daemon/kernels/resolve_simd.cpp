@@ -149,7 +149,7 @@ void resolve_row(const Resolve& r, const Hypothesis& match, const Hypothesis* fl
     Decided decided;
     alignas(64) int16_t moved[chunk];
     const int n = std::min(chunk, last - x);
-    for (int i = 0; i < chunk; ++i) moved[i] = static_cast<int16_t>(floor_disparity.at(x + i));
+    for (int i = 0; i < chunk; ++i) moved[i] = static_cast<int16_t>(floor_at(floor_disparity, x + i));
     for (int i = 0; i < n; i += lanes) decide_both(d16, r, match, *floor, hn::Load(d16, moved + i), x + i, i, decided);
     write(r, decided, texture + x, n, out + x);
   }

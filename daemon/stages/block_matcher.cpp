@@ -3,7 +3,6 @@
 #include "daemon/stages/block_matcher.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace vdisp {
 namespace {
@@ -62,17 +61,19 @@ kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search,
 
 void BlockMatcher::match(const Image& left, const Image& right, const ExpectedFloor* floor, Image& out) noexcept {
   const int height = left.spec.height, reach = config_.image_source.corrsize / 2;
-  // Rows above the horizon have no floor; nor have those where it is too near for the search.
-  int floor_first = height;
-  if (floor) floor_first = std::clamp(static_cast<int>(std::ceil(floor->row0)), reach, height);
+  RowRange rows;
+  if (floor) {
+    const auto& p = config_.image_source;
+    rows = floor->rows_between(p.minDisparity, p.minDisparity + p.ndisp - 1, left.spec.width, height);
+    rows = {std::max(rows.first, reach), std::min(rows.last, height - reach)};
+  }
   views_.take(left, right);
-  if (floor_first < height - reach) views_.take_sheared(right, *floor, floor_first - reach);
-  machine_.bands.run(height, MatchedViews::least_band, [&](int first, int last, int band) {
-    match_band(floor, floor_first, first, last, bands_[static_cast<size_t>(band)], out);
-  });
+  if (rows.first < rows.last) views_.take_sheared(right, *floor, rows.first - reach);
+  machine_.bands.run(height, MatchedViews::least_band,
+                     [&](int first, int last, int band) { match_band(floor, rows, first, last, bands_[static_cast<size_t>(band)], out); });
 }
 
-void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int first, int last, Band& band, Image& out) noexcept {
+void BlockMatcher::match_band(const ExpectedFloor* floor, RowRange floor_rows, int first, int last, Band& band, Image& out) noexcept {
   const auto& k = machine_.kernels;
   const auto& p = config_.image_source;
   const int width = out.spec.width, height = out.spec.height, reach = p.corrsize / 2;
@@ -98,7 +99,7 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
     k.texture_row(views_.gradient(), gradient_cap, p.corrsize, v, fresh, columns, texture);
     k.match_row(plain, v, fresh, band.plain, match.candidates);
     fresh = false;
-    if (v >= floor_first) {
+    if (v >= floor_rows.first && v < floor_rows.last) {
       k.match_row(aligned, v, floor_fresh, band.floor, ground.candidates);
       floor_fresh = false;
       k.resolve_row(resolve, match, &ground, floor->row(v), texture, row);

@@ -44,6 +44,10 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
   if (in.size() == 3) require(in[2], Pixel::record, "the last floor model");
   require_supported(config_);
   const auto& p = config_.image_source;
+  if (left.width <= p.corrsize - p.minDisparity)
+    throw FormatError("the images are " + std::to_string(left.width) + " columns wide, minDisparity = " + std::to_string(p.minDisparity) +
+                      " with corrsize = " + std::to_string(p.corrsize) + " leaves none to search; minDisparity from " +
+                      std::to_string(p.corrsize + 1 - left.width) + " on would fit");
   const int search = p.ndisp + std::max(p.minDisparity, 0) + p.corrsize;
   if (left.width <= search)
     throw FormatError("the images are " + std::to_string(left.width) + " columns wide, ndisp + minDisparity + corrsize = " +

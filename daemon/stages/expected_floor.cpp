@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/expected_floor.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "daemon/stages/projection.h"
@@ -16,6 +17,15 @@ constexpr uint64_t held_frames = 30;  // a floor not seen for longer is not expe
 kernels::RowDisparity ExpectedFloor::row(int row) const {
   constexpr double unit = 16.0 * 65536.0;
   return {std::llround(unit * (at_row(row) + cx_offset - tilt * cx)), std::llround(unit * tilt)};
+}
+
+RowRange ExpectedFloor::rows_between(int least, int most, int width, int height) const {
+  const double left = cx_offset - tilt * cx, right = left + tilt * (width - 1);
+  const double first = std::max(row0, row0 + (least - std::min(left, right)) / slope);
+  const double last = row0 + (most - std::max(left, right)) / slope;
+  const auto border = [&](double row) { return static_cast<int>(std::clamp(row, 0.0, static_cast<double>(height))); };
+  const RowRange rows{border(std::ceil(first)), border(std::floor(last) + 1)};
+  return {rows.first, std::max(rows.first, rows.last)};
 }
 
 std::optional<ExpectedFloor> FloorExpectation::expect(const Image& view, const FloorModel* last) noexcept {

@@ -91,7 +91,7 @@ TEST(ResolveRow, is_the_same_at_every_level) {
     for (int width : {1, 40, 64, 65, 200}) {
       for (uint32_t seed = 1; seed < 20; ++seed) {
         Found one(width, seed), two(width, seed + 100);
-        std::vector<uint16_t> texture(static_cast<size_t>(width));
+        std::vector<uint16_t> texture(static_cast<size_t>(width + row_margin));
         for (size_t x = 0; x < texture.size(); ++x) texture[x] = static_cast<uint16_t>(x * 7 % 50);
         Resolve r{.width = width, .min_disparity = static_cast<int>(seed % 3) - 1, .disparities = 16, .texture_least = 10};
         r.unique = seed % 4 ? percent_factor(10) : 0;
@@ -99,14 +99,20 @@ TEST(ResolveRow, is_the_same_at_every_level) {
         r.outside = -32005, r.low_texture = -32001, r.not_unique = -32002, r.left_right = -32003;
         const Hypothesis match = one.hypothesis(width / 6, width - width / 9, r.min_disparity);
         const Hypothesis floor = two.hypothesis(width / 5, width - width / 7, -8);
+        // Far ones too, up to where 16 bits of 1/16 px end.
+        const std::pair<const Hypothesis*, int> floors[] = {
+            {nullptr, 8},    {&floor, 8},     {&floor, -8},    {&floor, 300},   {&floor, 1023},   {&floor, 1030},
+            {&floor, 2046},  {&floor, 2047},  {&floor, 2049},  {&floor, 4095},  {&floor, 4100},   {&floor, -1030},
+            {&floor, -2047}, {&floor, -2050}, {&floor, -4097}, {&floor, 70000}, {&floor, 1000000}};
         for (int per_column : {0, 2500}) {
-          for (const Hypothesis* second : {static_cast<const Hypothesis*>(nullptr), &floor}) {
-            const RowDisparity disparity{int64_t{16 * 8 + 5} << 16, per_column};
+          for (const auto& [second, px] : floors) {
+            const RowDisparity disparity{int64_t{16 * px + 5} << 16, per_column};
             Picture<int16_t> expected(width, 1), got(width, 1);
             plain::resolve_row(r, match, second, disparity, texture.data(), expected.plane().row(0));
             k.resolve_row(r, match, second, disparity, texture.data(), got.plane().row(0));
             for (int x = 0; x < width; ++x)
-              ASSERT_EQ(expected.at(x, 0), got.at(x, 0)) << "x " << x << " width " << width << " seed " << seed << (second ? " floor" : "");
+              ASSERT_EQ(expected.at(x, 0), got.at(x, 0))
+                  << "x " << x << " width " << width << " seed " << seed << (second ? " floor " : " ") << px;
             ASSERT_EQ(got.damage(), "");
           }
         }
@@ -140,6 +146,27 @@ TEST(ResolveRow, the_cheaper_of_two_that_differ_wins_only_if_clearly_cheaper) {
   EXPECT_EQ(resolve(), -2) << "the match fits nearly as well as the floor";
   set(one, 11, 95), set(two, 8, 95);
   EXPECT_EQ(resolve(), 16 * 10) << "both say the same within 1 px";
+}
+
+TEST(ResolveRow, a_floor_beyond_every_search_is_outside_or_loses) {
+  at_each_level([](const std::string&, const Kernels& k) {
+    for (int px : {300, 2040, 2048, 4096, 1 << 20, -300, -2048, -4096, -(1 << 20)}) {
+      Found one(1, 1), two(1, 1);
+      for (size_t i = 0; i < 6; ++i) {
+        one.rows[i][0] = std::array<uint16_t, 6>{3, 100, 150, 150, 0, 100}[i];
+        two.rows[i][0] = std::array<uint16_t, 6>{8, 50, 150, 150, 0, 300}[i];
+      }
+      const Resolve r{.width = 1, .disparities = 256, .unique = percent_factor(10), .floor_margin = percent_factor(50), .outside = -5};
+      std::vector<uint16_t> texture(1 + row_margin);
+      int16_t out = 0;
+      const Hypothesis match = one.hypothesis(0, 1, 0), floor = two.hypothesis(0, 1, -8);
+      k.resolve_row(r, match, &floor, {int64_t{16} * px * 65536, 0}, texture.data(), &out);
+      EXPECT_EQ(out, -5) << px;
+      two.rows[1][0] = 300;
+      k.resolve_row(r, match, &floor, {int64_t{16} * px * 65536, 0}, texture.data(), &out);
+      EXPECT_EQ(out, 3 * 16) << px;
+    }
+  });
 }
 
 TEST(ResolveRow, the_sub_pixel_part_is_where_two_equal_slopes_meet) {

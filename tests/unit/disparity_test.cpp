@@ -112,6 +112,28 @@ TEST_P(DisparityTest, narrow_images_are_refused_while_building) {
   }
 }
 
+TEST_P(DisparityTest, images_narrower_than_a_search_below_zero_are_refused_while_building) {
+  config.image_source.ndisp = 16;
+  config.image_source.minDisparity = -128;
+  config.image_source.corrsize = 21;
+  Disparity stage(machine, config);
+  const auto check = [&](uint16_t columns) {
+    const ImageSpec view{Pixel::gray8, 0, columns, 80};
+    stage.check(std::array{view, view});
+  };
+  try {
+    check(140);
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(error.what(),
+                 "the images are 140 columns wide, minDisparity = -128 with corrsize = 21 leaves none to search; minDisparity from -118 on "
+                 "would fit");
+  }
+  EXPECT_NO_THROW(check(150));
+  config.image_source.minDisparity = -118;
+  EXPECT_NO_THROW(check(140));
+}
+
 TEST_P(DisparityTest, images_of_two_sizes_are_refused) {
   Disparity stage(machine, config);
   EXPECT_THROW(stage.check(std::array{left.spec(), ImageSpec{Pixel::gray8, 0, 100, 80}}), FormatError);
@@ -240,6 +262,34 @@ TEST_P(MatchedViewsTest, a_slanted_floor_is_found_where_it_is_expected) {
   }
   EXPECT_GT(share[1], 0.9);
   EXPECT_GE(share[1], share[0]);
+}
+
+TEST_P(MatchedViewsTest, a_floor_too_near_for_the_search_hides_nothing_in_it) {
+  // A slope 24 px behind the floor expected, and its pattern comes again every 24: the floor would fit it better than a square window.
+  FlatFloor slope;
+  std::mt19937 random(2);
+  for (int v = 0; v < FlatFloor::height; ++v) {
+    std::array<double, 12> pattern;
+    for (double& value : pattern) value = 60 + static_cast<double>(random() % 120);
+    const auto at = [&](double x) {
+      const double place = x / 2 + 1200, part = place - std::floor(place);
+      const auto i = static_cast<size_t>(place);
+      return static_cast<uint8_t>(pattern[i % 12] * (1 - part) + pattern[(i + 1) % 12] * part);
+    };
+    for (int u = 0; u < FlatFloor::width; ++u) {
+      slope.left.at<uint8_t>(v, u) = at(u - FlatFloor::disparity(v) + 24);
+      slope.right.at<uint8_t>(v, u) = at(u);
+    }
+  }
+  config.mounting.height = static_cast<float>(FlatFloor::up);
+  config.mounting.pitch = static_cast<float>(FlatFloor::pitch);
+  config.image_source.ndisp = 16;
+  Machine machine;
+  Disparity stage(machine, config);
+  std::vector<std::unique_ptr<Picture>> out;
+  ASSERT_EQ(run_stage(stage, {&slope.left, &slope.right}, out), Outcome::valid);
+  for (int v = 184; v < 216; ++v)  // 2 to 10 px
+    for (int u = 40; u < FlatFloor::width - 20; ++u) ASSERT_NE(out[0]->at<int16_t>(v, u), rejected(Rejected::outside)) << v << ' ' << u;
 }
 
 TEST_P(MatchedViewsTest, threads_and_instruction_sets_change_nothing) {
