@@ -12,6 +12,20 @@ constexpr int floor_disparities = 16;  // searched around the floor expected
 constexpr int floor_margin = 50;       // percent the floor may fit worse than a match off it, and still refuse that
 constexpr int left_right_margin = 10;  // percent: where the right view is in doubt itself it refuses nothing
 
+/// `floor` with the columns at the right border up to `last`, whose search around the floor would leave the view: what is off the floor
+/// there cannot be told from it.
+kernels::Hypothesis with_border(kernels::Hypothesis floor, int last) {
+  const kernels::Candidates& c = floor.candidates;
+  for (int x = floor.last; x < last; ++x) {
+    c.index[x] = floor_disparities / 2;
+    c.cost[x] = c.before[x] = c.after[x] = INT16_MAX;
+    c.refused[x] = kernels::candidate_not_unique;
+    c.home[x] = 0;
+  }
+  floor.last = last;
+  return floor;
+}
+
 }  // namespace
 
 void BlockMatcher::prepare(const ImageSpec& spec) {
@@ -61,24 +75,23 @@ kernels::Hypothesis BlockMatcher::hypothesis(const kernels::BlockSearch& search,
 
 void BlockMatcher::match(const Image& left, const Image& right, const ExpectedFloor* floor, Image& out) noexcept {
   const int height = left.spec.height, reach = config_.image_source.corrsize / 2;
-  RowRange rows;
-  if (floor) {
-    const auto& p = config_.image_source;
-    rows = floor->rows_between(p.minDisparity, p.minDisparity + p.ndisp - 1, left.spec.width, height);
-    rows = {std::max(rows.first, reach), std::min(rows.last, height - reach)};
-  }
+  // Also rows whose floor is too near or too far for the search: what the floor explains better than the match is no match.
+  int floor_first = height;
+  if (floor) floor_first = std::clamp(floor->first_row(left.spec.width), reach, height);
   views_.take(left, right);
-  if (rows.first < rows.last) views_.take_sheared(right, *floor, rows.first - reach);
-  machine_.bands.run(height, MatchedViews::least_band,
-                     [&](int first, int last, int band) { match_band(floor, rows, first, last, bands_[static_cast<size_t>(band)], out); });
+  if (floor_first < height - reach) views_.take_sheared(right, *floor, floor_first - reach);
+  machine_.bands.run(height, MatchedViews::least_band, [&](int first, int last, int band) {
+    match_band(floor, floor_first, first, last, bands_[static_cast<size_t>(band)], out);
+  });
 }
 
-void BlockMatcher::match_band(const ExpectedFloor* floor, RowRange floor_rows, int first, int last, Band& band, Image& out) noexcept {
+void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int first, int last, Band& band, Image& out) noexcept {
   const auto& k = machine_.kernels;
   const auto& p = config_.image_source;
   const int width = out.spec.width, height = out.spec.height, reach = p.corrsize / 2;
   const kernels::BlockSearch plain = plain_search(), aligned = floor_search();
-  const kernels::Hypothesis match = hypothesis(plain, band, 0), ground = hypothesis(aligned, band, 1);
+  const kernels::Hypothesis match = hypothesis(plain, band, 0);
+  const kernels::Hypothesis ground = hypothesis(aligned, band, 1);
   kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
   resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
   resolve.unique = plain.unique;
@@ -99,10 +112,11 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, RowRange floor_rows, i
     k.texture_row(views_.gradient(), gradient_cap, p.corrsize, v, fresh, columns, texture);
     k.match_row(plain, v, fresh, band.plain, match.candidates);
     fresh = false;
-    if (v >= floor_rows.first && v < floor_rows.last) {
+    if (v >= floor_first) {
       k.match_row(aligned, v, floor_fresh, band.floor, ground.candidates);
       floor_fresh = false;
-      k.resolve_row(resolve, match, &ground, floor->row(v), texture, row);
+      const kernels::Hypothesis whole = with_border(ground, match.last);
+      k.resolve_row(resolve, match, &whole, floor->row(v), texture, row);
     } else {
       k.resolve_row(resolve, match, nullptr, {}, texture, row);
     }

@@ -14,8 +14,7 @@ namespace vdisp {
 ///
 /// Two hypotheses a pixel: that it belongs to a surface seen face on, and that it belongs to the floor. A floor is slanted: its disparity
 /// changes from row to row, and a square window fits it badly. So the right view is sheared by the disparities of the floor expected, and
-/// matched again in a small range around it; what fits better wins (Einecke and Eggert, IV 2014, for two surfaces). Only rows in which
-/// the floor lies inside the search from border to border are: where it is nearer, a match with it would but hide what the search can see.
+/// matched again in a small range around it; what fits better wins (Einecke and Eggert, IV 2014, for two surfaces).
 ///
 /// What the parameters of SVS (paper table 3) become:
 ///   ndisp, minDisparity  the disparities searched
@@ -41,7 +40,7 @@ class BlockMatcher {
   kernels::BlockSearch plain_search() const;
   kernels::BlockSearch floor_search() const;
   kernels::Hypothesis hypothesis(const kernels::BlockSearch& search, Band& band, int which) const;
-  void match_band(const ExpectedFloor* floor, RowRange floor_rows, int first, int last, Band& band, Image& out) noexcept;
+  void match_band(const ExpectedFloor* floor, int floor_first, int first, int last, Band& band, Image& out) noexcept;
 
   Machine& machine_;
   const Config& config_;

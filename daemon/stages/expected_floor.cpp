@@ -19,13 +19,9 @@ kernels::RowDisparity ExpectedFloor::row(int row) const {
   return {std::llround(unit * (at_row(row) + cx_offset - tilt * cx)), std::llround(unit * tilt)};
 }
 
-RowRange ExpectedFloor::rows_between(int least, int most, int width, int height) const {
-  const double left = cx_offset - tilt * cx, right = left + tilt * (width - 1);
-  const double first = std::max(row0, row0 + (least - std::min(left, right)) / slope);
-  const double last = row0 + (most - std::max(left, right)) / slope;
-  const auto border = [&](double row) { return static_cast<int>(std::clamp(row, 0.0, static_cast<double>(height))); };
-  const RowRange rows{border(std::ceil(first)), border(std::floor(last) + 1)};
-  return {rows.first, std::max(rows.first, rows.last)};
+int ExpectedFloor::first_row(int width) const {
+  const double left = tilt * cx, right = -tilt * (width - 1 - cx);
+  return static_cast<int>(std::clamp(std::ceil(row0 + std::min({left, right, 0.0}) / slope), 0.0, 32767.0));
 }
 
 std::optional<ExpectedFloor> FloorExpectation::expect(const Image& view, const FloorModel* last) noexcept {

@@ -11,11 +11,6 @@
 
 namespace vdisp {
 
-/// Rows [first, last).
-struct RowRange {
-  int first = 0, last = 0;
-};
-
 /// The floor as a plane of disparities: d = slope (v - row0) + tilt (u - cx) + cx_offset, px.
 struct ExpectedFloor {
   double slope = 0, row0 = 0, tilt = 0, cx = 0, cx_offset = 0;
@@ -23,8 +18,8 @@ struct ExpectedFloor {
   /// True disparity d' at the centre column, 0 at the horizon.
   double at_row(int row) const { return slope * (row - row0); }
   kernels::RowDisparity row(int row) const;
-  /// Rows of an image in which the floor is below the horizon and, from border to border, of disparities [least, most] px.
-  RowRange rows_between(int least, int most, int width, int height) const;
+  /// First row of an image `width` wide in which some of the floor lies below its horizon.
+  int first_row(int width) const;
 };
 
 /// From the floor of the last frame, while it agrees with [mounting] as far as that is given; else from [mounting]; else, for a while, from
