@@ -29,8 +29,14 @@ struct ExpectedFloorTest : testing::Test {
   FloorModel last{};
 
   ExpectedFloorTest() {
-    view.image().camera = {static_cast<float>(f),         static_cast<float>(cx), static_cast<float>(cy), static_cast<float>(baseline),
-                           static_cast<float>(cx_offset), 0,                      48,                     {}};
+    view.image().camera = {static_cast<float>(f),
+                           static_cast<float>(cx),
+                           static_cast<float>(cy),
+                           static_cast<float>(baseline),
+                           static_cast<float>(cx_offset),
+                           0,
+                           48,
+                           {}};
     const FloorLine line = floor_line(stereo_view(view.image()), up, pitch);
     last.state = FloorState::found;
     last.a = line.slope / 16;
@@ -46,7 +52,8 @@ struct ExpectedFloorTest : testing::Test {
   static void expect_near(const std::optional<ExpectedFloor>& floor, double below, double roll = 0, double error = 0.07) {
     ASSERT_TRUE(floor);
     for (int v = 100; v < height; v += 20)
-      for (int u = 4; u < width; u += 24) EXPECT_NEAR(floor->row(v).at(u) / 16.0, truth(u, v, below, roll) - 1 / 32.0, error) << v << ' ' << u;
+      for (int u = 4; u < width; u += 24)
+        EXPECT_NEAR(floor->row(v).at(u) / 16.0, truth(u, v, below, roll) - 1 / 32.0, error) << v << ' ' << u;
   }
 };
 
