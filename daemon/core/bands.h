@@ -26,7 +26,8 @@ class Bands {
   int count(int rows, int least = 1) const { return rows > 0 ? std::clamp(rows / std::max(least, 1), 1, threads()) : 0; }
 
   /// Calls body(first, last, band) for count(rows, least) bands of nearly the same height: rows [first, last), from 0 to `rows`, each
-  /// once. No two bodies that run at a time have the same `band`, and it is less than threads(): work space is one for each.
+  /// once. No two bodies of one call have the same `band`, and it is less than threads(): work space is one for each. A call from
+  /// within a body counts its bands anew: it needs work space of its own, not its caller's.
   template <class Body>
   void run(int rows, int least, const Body& body) noexcept {
     const int bands = count(rows, least);
@@ -35,7 +36,7 @@ class Bands {
   }
 
   /// Calls body(task, seat) for each task in [0, tasks), for work that cannot be cut evenly: who is done takes the next. No two bodies
-  /// that run at a time have the same `seat`, and it is less than threads().
+  /// of one call that run at a time have the same `seat`, and it is less than threads(); the same holds of calls from within.
   template <class Body>
   void each(int tasks, const Body& body) noexcept {
     share(tasks, {&body, [](const void* self, int task, int seat) noexcept { (*static_cast<const Body*>(self))(task, seat); }});

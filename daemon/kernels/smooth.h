@@ -1,4 +1,4 @@
-// smooth.h: contracts: noise is taken off an image before the census, which would turn it into bits.
+// smooth.h: contracts: noise is taken off a view before it is matched (`smooth`), whichever matcher does that.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

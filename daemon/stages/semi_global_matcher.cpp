@@ -9,6 +9,7 @@ namespace vdisp {
 namespace {
 
 constexpr int rows_across = kernels::SemiGlobalVolume::rows_across;
+constexpr int gradient_cap = 31;       // as in the block matcher
 constexpr int left_right_margin = 60;  // percent: sums of paths differ by little from one pixel to the next
 constexpr int most_of_path = 35;       // sum of a path above which it found nothing: noise and what one view alone sees
 constexpr int least_band = 8;          // rows
@@ -33,7 +34,9 @@ void SemiGlobalMatcher::prepare(const ImageSpec& spec) {
   volume_ = {spec.width, held * rows_across, config_.image_source.ndisp, paths_, threads};
   row_ = static_cast<size_t>(spec.width + kernels::row_margin);
   candidates_.assign(static_cast<size_t>(threads), std::vector<uint16_t>(5 * row_));
-  no_texture_.assign(static_cast<size_t>(spec.width + kernels::texture_margin), 0);
+  textures_.assign(static_cast<size_t>(threads), std::vector<uint16_t>(2 * static_cast<size_t>(spec.width + kernels::texture_margin)));
+  gradient_memory_.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height));
+  gradient_ = {gradient_memory_.data(), spec.width, spec.height, spec.width};
 }
 
 kernels::SemiGlobal SemiGlobalMatcher::search_in(const Image& left) const {
@@ -62,6 +65,9 @@ void SemiGlobalMatcher::encode(const Image& view, Codes& codes) noexcept {
 void SemiGlobalMatcher::match(const Image& left, const Image& right, Image& out) noexcept {
   encode(left, left_);
   encode(right, right_);
+  const kernels::View8 view{left.row<uint8_t>(0), left.spec.width, left.spec.height, static_cast<ptrdiff_t>(left.spec.stride())};
+  machine_.bands.run(view.height, least_band,
+                     [&](int first, int last, int) { machine_.kernels.x_sobel(view, gradient_cap, first, last, gradient_); });
   const kernels::SemiGlobal search = search_in(left);
   const int height = left.spec.height;
   for (int first = 0; first < height; first += volume_.rows()) {
@@ -86,6 +92,9 @@ void SemiGlobalMatcher::add_paths(const kernels::SemiGlobal& search, int first_r
 
 void SemiGlobalMatcher::choose(const kernels::SemiGlobal& search, int first_row, int last_row, Image& out) noexcept {
   kernels::Resolve resolve{.width = out.spec.width, .min_disparity = search.min_disparity, .disparities = search.disparities};
+  const auto& p = config_.image_source;
+  const int reach = p.corrsize / 2;
+  resolve.texture_least = static_cast<int>(p.thresh * p.corrsize * p.corrsize / 2 * tf);
   resolve.unique = search.unique;
   resolve.outside = rejected(Rejected::outside);
   resolve.low_texture = rejected(Rejected::low_texture);
@@ -94,12 +103,19 @@ void SemiGlobalMatcher::choose(const kernels::SemiGlobal& search, int first_row,
   machine_.bands.run(last_row - first_row, least_band, [&](int first, int last, int band) {
     uint16_t* row = candidates_[static_cast<size_t>(band)].data();
     const kernels::Hypothesis match{{row, row + row_, row + 2 * row_, row + 3 * row_, row + 4 * row_, nullptr},
-                                    search.first_column(),
-                                    std::max(search.last_column(), search.first_column()),
+                                    std::max(search.first_column(), reach),
+                                    std::min(search.last_column(), out.spec.width - reach),
                                     search.min_disparity};
+    uint16_t *columns = textures_[static_cast<size_t>(band)].data(), *texture = columns + out.spec.width + kernels::texture_margin;
+    int measured = -1;
     for (int v = first_row + first; v < first_row + last; ++v) {
+      // Rows at the border have the texture of the nearest row whose window is inside.
+      const int row_inside = std::clamp(v, reach, out.spec.height - reach - 1);
+      if (row_inside != measured)
+        machine_.kernels.texture_row(gradient_, gradient_cap, p.corrsize, row_inside, measured < 0, columns, texture);
+      measured = row_inside;
       machine_.kernels.paths_row(search, v, v == first_row + first, volume_, volume_.work(band), match.candidates);
-      machine_.kernels.resolve_row(resolve, match, nullptr, {}, no_texture_.data(), out.row<int16_t>(v));
+      machine_.kernels.resolve_row(resolve, match, nullptr, {}, texture, out.row<int16_t>(v));
     }
   });
 }

@@ -17,7 +17,7 @@ namespace vdisp {
 ///   ndisp, minDisparity  the disparities searched
 ///   unique               percent by which the best match must be better than any more than 1 px away. Sums of paths differ less than
 ///                        sums of windows: a quarter of it does the same
-///   corrsize, thresh     not read: codes have a window of their own, and what has no texture takes the disparity of what is around it
+///   thresh, corrsize     as in block_matcher.h, but a quarter of it: a path needs little, noise has less to say
 ///
 /// With 3 paths the image is done in groups of rows that stay in the cache; with more all of it is kept, 2 bytes for each pixel and
 /// disparity.
@@ -46,7 +46,9 @@ class SemiGlobalMatcher {
   Codes left_, right_;
   kernels::SemiGlobalVolume volume_;
   std::vector<std::vector<uint16_t>> candidates_;  // a row for each thread
-  std::vector<uint16_t> no_texture_;
+  std::vector<std::vector<uint16_t>> textures_;
+  kernels::Plane<uint8_t> gradient_;
+  std::vector<uint8_t> gradient_memory_;
   size_t row_ = 0;  // elements of a row of candidates
 };
 

@@ -1,5 +1,8 @@
 // block_match_test.cpp: block matching is the same at every level, equals sums written out, and stays inside its planes.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <bit>
+
 #include "tests/kernels/check.h"
 
 namespace vdisp::kernels {
@@ -103,22 +106,94 @@ TEST(MatchRow, is_the_same_for_the_widest_search_and_the_narrowest_image) {
   });
 }
 
-TEST(MatchRow, finds_the_least_of_sums_written_out) {
-  const Pair pair(60, 9, Content::noise, 62);
-  const BlockSearch s = pair.search(Cost::differences, 5, 16, 0);
-  BlockScratch scratch(60, 16);
-  Rows rows(60);
-  plain::match_row(s, 4, true, scratch, rows.row());
-  for (int x = s.first_column(); x < s.last_column(); ++x) {
-    int best = -1, least = 1 << 20;
-    for (int d = 0; d < 16; ++d) {
-      int sum = 0;
-      for (int y = 2; y <= 6; ++y)
-        for (int u = x - 2; u <= x + 2; ++u) sum += std::min(std::abs(s.left.row(y)[u] - s.right.row(y)[59 - u + d]), s.cap);
-      if (sum < least) least = sum, best = d;
+/// What the contract says of one row, each sum written out.
+struct Truth {
+  Truth(const BlockSearch& search, int row) : s(search), y(row) {}
+
+  int cost(int x, int d) const {
+    int sum = 0;
+    const int r = s.window / 2;
+    for (int v = y - r; v <= y + r; ++v) {
+      for (int u = x - r; u <= x + r; ++u) {
+        const int there = s.left.width - 1 - u + d;
+        const auto differ = [&](View8 l, View8 right) { return std::popcount(static_cast<unsigned>(l.row(v)[u] ^ right.row(v)[there])); };
+        if (s.cost == Cost::differences) sum += std::min(std::abs(s.left.row(v)[u] - s.right.row(v)[there]), s.cap);
+        if (s.cost != Cost::differences) sum += differ(s.left, s.right);
+        if (s.cost == Cost::hamming_two) sum += differ(s.left_more, s.right_more);
+      }
     }
-    EXPECT_EQ(rows.row().index[x], best) << x;
-    EXPECT_EQ(rows.row().cost[x], least) << x;
+    return sum;
+  }
+  bool searched(int x, int i) const { return x >= s.first_column() && x < s.last_column() && i >= 0 && i < s.disparities; }
+  int at(int x, int i) const { return cost(x, s.min_disparity + i); }
+  int best(int x) const {
+    int found = 0;
+    for (int i = 1; i < s.disparities; ++i)
+      if (at(x, i) < at(x, found)) found = i;
+    return found;
+  }
+  uint16_t refused(int x, int index) const {
+    const auto part = [](int c, int factor) { return c + static_cast<int>(int64_t{c} * factor / 65536); };
+    uint16_t bits = 0;
+    const int least = at(x, index);
+    for (int i = 0; s.unique > 0 && i < s.disparities; ++i)
+      if (std::abs(i - index) > 1 && at(x, i) <= part(least, s.unique)) bits |= candidate_not_unique;
+    // All pixels of the left view that can meet the same pixel of the right one.
+    int match = least, elsewhere = least;
+    for (int step = -s.disparities; step <= s.disparities; ++step) {
+      if (!searched(x + step, index + step)) continue;
+      const int other = at(x + step, index + step);
+      elsewhere = std::min(elsewhere, other);
+      if (std::abs(step) == 1) match = std::min(match, other);
+    }
+    if (part(elsewhere, s.left_right) < match) bits |= candidate_left_right;
+    return bits;
+  }
+  const BlockSearch& s;
+  int y;
+};
+
+void compare_with_truth(const Kernels& k, const BlockSearch& s) {
+  BlockScratch scratch(s.left.width, s.disparities);
+  Rows rows(s.left.width);
+  const int y = s.window / 2 + 1;
+  k.match_row(s, y - 1, true, scratch, rows.row());
+  k.match_row(s, y, false, scratch, rows.row());
+  const Candidates got = rows.row();
+  const Truth truth(s, y);
+  ASSERT_LT(s.first_column(), s.last_column());
+  for (int x = s.first_column(); x < s.last_column(); ++x) {
+    SCOPED_TRACE("column " + std::to_string(x));
+    const int i = truth.best(x), last = s.disparities - 1;
+    ASSERT_EQ(got.index[x], i);
+    ASSERT_EQ(got.cost[x], truth.at(x, i));
+    ASSERT_EQ(got.before[x], truth.at(x, i > 0 ? i - 1 : 1));
+    ASSERT_EQ(got.after[x], truth.at(x, i < last ? i + 1 : last - 1));
+    ASSERT_EQ(got.refused[x], truth.refused(x, i));
+    if (s.home > 0) {
+      ASSERT_EQ(got.home[x], std::min({truth.at(x, s.home - 1), truth.at(x, s.home), truth.at(x, s.home + 1)}));
+    }
+  }
+}
+
+TEST(MatchRow, is_what_sums_written_out_give_at_every_level) {
+  for (const std::string& level : levels()) {
+    const Kernels k = kernels(level);
+    for (Content content : {Content::noise, Content::few_levels, Content::stripes}) {
+      const Pair pair(60, 9, content, 62);
+      for (Cost cost : {Cost::differences, Cost::hamming, Cost::hamming_two}) {
+        for (int least : {0, 3, -8, -24}) {  // -24 .. -9: wholly below zero
+          for (int unique : {0, percent_factor(10), percent_factor(40)}) {
+            SCOPED_TRACE(level + " cost " + std::to_string(static_cast<int>(cost)) + " from " + std::to_string(least));
+            BlockSearch s = pair.search(cost, 5, 16, least);
+            s.home = 8;
+            s.unique = unique;
+            compare_with_truth(k, s);
+            if (testing::Test::HasFatalFailure()) return;
+          }
+        }
+      }
+    }
   }
 }
 

@@ -13,8 +13,8 @@
 
 namespace vdisp::kernels {
 
-/// A picture with guard bytes before, behind and at the end of each row. Rows are not aligned unless asked for. Under asan the
-/// memory before and behind is poisoned by the allocator itself, as the guard is no wider than the stride asks for.
+/// A picture with guard bytes before, behind and at the end of each row. Rows are not aligned unless asked for. damage() sees what is
+/// written into the guard. What is read from it nobody sees, asan neither: it is part of the allocation, a row of it at either end.
 template <class T>
 class Picture {
  public:

@@ -1,0 +1,159 @@
+// expected_floor_test.cpp: which floor is expected of a frame, and where it lies; truth from points of a plane, seen by the camera.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/expected_floor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daemon/stages/disparity.h"
+#include "daemon/stages/projection.h"
+#include "daemon/stages/provisional_floor.h"
+#include "tests/support/picture.h"
+
+namespace vdisp {
+namespace {
+
+constexpr int width = 320, height = 240;
+constexpr double f = 400, baseline = 0.1, cx = 160, cy = 120, cx_offset = 3, up = 0.4, pitch = 0.1;
+
+/// The disparity at which the pixel sees the plane `up` m below a camera with this pitch and roll: the ray's depth where it is that low.
+double truth(double u, double v, double below = up, double roll = 0) {
+  const Point ray = horizontal({(u - cx) / f, (v - cy) / f, 1}, pitch, roll);
+  return f * baseline * ray.y / below + cx_offset;
+}
+
+struct ExpectedFloorTest : testing::Test {
+  Config config;
+  Picture view{Pixel::disparity16, width, height};
+  FloorModel last{};
+
+  ExpectedFloorTest() {
+    view.image().camera = {static_cast<float>(f),
+                           static_cast<float>(cx),
+                           static_cast<float>(cy),
+                           static_cast<float>(baseline),
+                           static_cast<float>(cx_offset),
+                           0,
+                           48,
+                           {}};
+    const FloorLine line = floor_line(stereo_view(view.image()), up, pitch);
+    last.state = FloorState::found;
+    last.a = line.slope / 16;
+    last.b = line.row0;
+    last.pitch_rad = pitch;
+    last.roll_rad = std::nan("");
+    last.height_m = up;
+  }
+  void mount(double at_height) {
+    config.mounting.height = static_cast<float>(at_height);
+    config.mounting.pitch = static_cast<float>(pitch);
+  }
+  static void expect_near(const std::optional<ExpectedFloor>& floor, double below, double roll = 0, double error = 0.07) {
+    ASSERT_TRUE(floor);
+    for (int v = 100; v < height; v += 20)
+      for (int u = 4; u < width; u += 24)
+        EXPECT_NEAR(floor->row(v).at(u) / 16.0, truth(u, v, below, roll) - 1 / 32.0, error) << v << ' ' << u;
+  }
+};
+
+TEST_F(ExpectedFloorTest, the_last_floor_is_expected_again) {
+  FloorExpectation expectation(config);
+  expect_near(expectation.expect(view.image(), &last), up);
+}
+
+TEST_F(ExpectedFloorTest, the_last_floor_goes_before_the_mounting_it_agrees_with) {
+  mount(0.44);
+  FloorExpectation expectation(config);
+  expect_near(expectation.expect(view.image(), &last), up);
+  expect_near(expectation.expect(view.image(), nullptr), 0.44);
+}
+
+TEST_F(ExpectedFloorTest, a_floor_that_the_mounting_contradicts_is_not_expected) {
+  last.mounting_differs = 1;
+  mount(0.8);
+  FloorExpectation expectation(config);
+  expect_near(expectation.expect(view.image(), &last), 0.8);
+}
+
+TEST_F(ExpectedFloorTest, nothing_is_expected_of_the_first_frame_without_a_mounting) {
+  FloorExpectation expectation(config);
+  EXPECT_FALSE(expectation.expect(view.image(), nullptr));
+  last.state = FloorState::lost;
+  EXPECT_FALSE(expectation.expect(view.image(), &last));
+}
+
+TEST_F(ExpectedFloorTest, without_calibration_a_mounting_says_nothing) {
+  mount(up);
+  view.image().camera.f = 0;
+  FloorExpectation expectation(config);
+  EXPECT_FALSE(expectation.expect(view.image(), nullptr));
+}
+
+TEST_F(ExpectedFloorTest, a_floor_that_was_lost_is_expected_for_30_frames) {
+  FloorExpectation expectation(config);
+  view.image().sequence = 7;
+  ASSERT_TRUE(expectation.expect(view.image(), &last));
+  view.image().sequence = 37;
+  expect_near(expectation.expect(view.image(), nullptr), up);
+  view.image().sequence = 38;
+  EXPECT_FALSE(expectation.expect(view.image(), nullptr));
+}
+
+TEST_F(ExpectedFloorTest, roll_tilts_the_floor) {
+  for (double roll : {0.06, -0.06}) {
+    config.mounting.roll = static_cast<float>(roll);
+    mount(up);
+    FloorExpectation expectation(config);
+    // 1/8 px for blocks of columns that share a disparity, and what cos(roll) takes.
+    expect_near(expectation.expect(view.image(), nullptr), up, roll, 0.25);
+    expect_near(expectation.expect(view.image(), &last), up, roll, 0.25);
+  }
+}
+
+TEST_F(ExpectedFloorTest, rows_are_those_whose_floor_is_in_the_search_from_border_to_border) {
+  for (double tilt : {0.0, 0.02, -0.03}) {
+    const ExpectedFloor floor{0.25, 80.5, tilt, cx, cx_offset};
+    for (const auto& [least, most] : {std::pair{0, 15}, std::pair{0, 47}, std::pair{20, 35}, std::pair{-8, 7}, std::pair{0, 255}}) {
+      const RowRange rows = floor.rows_between(least, most, width, height);
+      for (int v = 0; v < height; ++v) {
+        bool inside = v >= 80.5;
+        for (int u = 0; u < width; ++u) {
+          const double d = 0.25 * (v - 80.5) + tilt * (u - cx) + cx_offset;
+          inside = inside && d >= least && d <= most;
+        }
+        ASSERT_EQ(v >= rows.first && v < rows.last, inside) << tilt << ' ' << least << ' ' << v;
+      }
+    }
+  }
+}
+
+TEST_F(ExpectedFloorTest, no_row_is_of_a_floor_beyond_the_image) {
+  for (double row0 : {240.0, 1e12, -1e12}) {
+    const RowRange rows = ExpectedFloor{0.25, row0, 0, cx, 0}.rows_between(0, 47, width, height);
+    EXPECT_EQ(rows.first, rows.last) << row0;
+    EXPECT_GE(rows.first, 0);
+    EXPECT_LE(rows.last, height);
+  }
+}
+
+TEST_F(ExpectedFloorTest, a_first_look_shows_the_floor_of_raw_matches) {
+  view.fill<int16_t>([](int v, int u) {
+    const double d = truth(u, v);
+    if (v < 110 || (u + v) % 7 == 0) return rejected(Rejected::not_unique);
+    return static_cast<int16_t>(std::lround(16 * d));
+  });
+  Machine machine;
+  ProvisionalFloor provisional(machine, config);
+  provisional.prepare(view.spec());
+  const FloorModel* found = provisional.find(view.image());
+  ASSERT_NE(found, nullptr);
+  FloorExpectation expectation(config);
+  expect_near(expectation.expect(view.image(), found), up, 0, 0.5);
+  view.fill<int16_t>([](int, int) { return rejected(Rejected::not_unique); });
+  const FloorModel* none = provisional.find(view.image());
+  EXPECT_TRUE(!none || none->state == FloorState::lost);
+}
+
+}  // namespace
+}  // namespace vdisp
