@@ -94,7 +94,7 @@ void SemiGlobalMatcher::choose(const kernels::SemiGlobal& search, int first_row,
   kernels::Resolve resolve{.width = out.spec.width, .min_disparity = search.min_disparity, .disparities = search.disparities};
   const auto& p = config_.image_source;
   const int reach = p.corrsize / 2;
-  resolve.texture_least = static_cast<int>(p.thresh * p.corrsize * p.corrsize / 2 * tf);
+  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 8;
   resolve.unique = search.unique;
   resolve.outside = rejected(Rejected::outside);
   resolve.low_texture = rejected(Rejected::low_texture);
