@@ -93,7 +93,7 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
   const kernels::Hypothesis match = hypothesis(plain, band, 0);
   const kernels::Hypothesis ground = hypothesis(aligned, band, 1);
   kernels::Resolve resolve{.width = width, .min_disparity = p.minDisparity, .disparities = p.ndisp};
-  resolve.texture_least = p.thresh * p.corrsize * p.corrsize / 2;
+  const int texture_least = p.thresh * p.corrsize * p.corrsize / 2;
   resolve.unique = plain.unique;
   resolve.floor_margin = kernels::percent_factor(floor_margin);
   resolve.outside = rejected(Rejected::outside);
@@ -112,6 +112,8 @@ void BlockMatcher::match_band(const ExpectedFloor* floor, int floor_first, int f
     k.texture_row(views_.gradient(), gradient_cap, p.corrsize, v, fresh, columns, texture);
     k.match_row(plain, v, fresh, band.plain, match.candidates);
     fresh = false;
+    // Above the horizon nothing but texture stands against a false match: the noise of a blank sky must not pass by chance.
+    resolve.texture_least = floor && v < floor_first ? texture_least * 5 / 4 : texture_least;
     if (v >= floor_first) {
       k.match_row(aligned, v, floor_fresh, band.floor, ground.candidates);
       floor_fresh = false;

@@ -20,7 +20,8 @@ namespace vdisp {
 ///   ndisp, minDisparity  the disparities searched
 ///   corrsize             side of the square window
 ///   thresh               the sum of |x-Sobel|, each at most 31, over the window has to reach thresh * corrsize^2 / 2: the same number
-///                        means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels
+///                        means the same contrast whatever the window, and 10 just refuses noise of 2 grey levels; above the horizon
+///                        of the floor expected a quarter more is asked, for there no floor stands against a false match
 ///   unique               percent by which the best match must be better than any more than 1 px away, as StereoBM counts it: the
 ///                        differences here are truncated, and 4/5 of it does the same; all of it for prefilter = log and census
 class BlockMatcher {
