@@ -226,7 +226,7 @@ class Parameters(ProgramTest):
                            self.dump(dense, "image source.matcher=bm", "sim.texture=0.3").rejected("measured"))
 
     def test_image_source_paths(self):
-        """Noise lets false matches through; more paths agree on fewer of them, and each changes what is found."""
+        """Each number of paths finds something else; none is better everywhere."""
         noisy = ["image source.matcher=sgm", "sim.noise=12", "image source.unique=0"]
         pictures = [self.dump(f"image source.paths={paths}", *noisy).picture("disparity") for paths in (3, 4, 8)]
         self.assertTrue((pictures[0] != pictures[1]).any() and (pictures[1] != pictures[2]).any())
