@@ -357,6 +357,7 @@ void match(D8 d8, const BlockSearch& s, int row, bool fresh, BlockScratch& scrat
     return match_wide<cost, static_cast<int>(hn::MaxLanes(D8()))>(d8, s, row, fresh, scratch, out);
   if (cost == Cost::differences && wide == 48) return match_wide<cost, 48>(d8, s, row, fresh, scratch, out);
   if (cost == Cost::differences && wide == 64) return match_wide<cost, 64>(d8, s, row, fresh, scratch, out);
+  if (cost == Cost::differences && wide == 128) return match_wide<cost, 128>(d8, s, row, fresh, scratch, out);
   match_wide<cost, 0>(d8, s, row, fresh, scratch, out);
 }
 
