@@ -18,7 +18,8 @@ SemiGlobalVolume::SemiGlobalVolume(int width, int rows, int disparities, int pat
   state_bytes_ = (block + 128) * (n + 1);
   const size_t states = paths == 8 ? 6 * (columns + 128) * (n + 1) : static_cast<size_t>(blocks_) * state_bytes_;
   // Step 1 holds its rows' sums turned; step 3 the sums of a block shifted against each other.
-  const size_t across = columns * (column_bytes(disparities) + 32) + 3 * n * rows_across, winners = (n + 192) * n + columns + 512;
+  const size_t across = columns * (column_bytes(disparities) + 32) + 3 * n * rows_across,
+               winners = (n + 192) * n + columns + n + 1024 + 96 * n;
   work_bytes_ = (std::max(across, winners) + 4096) / 64 * 64;
   const size_t volume = static_cast<size_t>(rows / rows_across) * static_cast<size_t>(blocks_) * block_bytes();
   costs_ = reserve(volume);
@@ -86,6 +87,14 @@ void step(const SemiGlobal& s, const uint8_t* cost, const uint8_t* before, int j
 int jump_between(const SemiGlobal& s, int row, int column, int dx, int dy) {
   const int x = s.first_column() + column;
   return s.jump(std::abs(s.image.row(row)[x] - s.image.row(row + dy)[x + dx]));
+}
+
+/// Costs of one disparity around a column, for the sub-pixel part.
+int wide_cost(const SemiGlobalVolume& volume, int row, int column, int columns, int i) {
+  int sum = 0;
+  for (int tap = -sub_pixel_reach; tap <= sub_pixel_reach; tap += sub_pixel_step)
+    sum += *at(volume.costs(row, 0), volume, std::clamp(column + tap, 0, columns - 1), i);
+  return sum;
 }
 
 int more(int cost, int factor) { return std::min(cost + (cost * factor >> 16), 255); }
@@ -162,16 +171,19 @@ void paths_row(const SemiGlobal& s, int row, bool, const SemiGlobalVolume& volum
     }
     const int cost = *at(sums, volume, x, best);
     out.index[first + x] = static_cast<uint16_t>(best);
-    out.cost[first + x] = static_cast<uint16_t>(cost);
-    out.before[first + x] = *at(sums, volume, x, best > 0 ? best - 1 : best + 1);
-    out.after[first + x] = *at(sums, volume, x, best + 1 < n ? best + 1 : best - 1);
+    const int here = wide_cost(volume, row, x, columns, best);
+    const int before = wide_cost(volume, row, x, columns, best > 0 ? best - 1 : best + 1);
+    const int after = wide_cost(volume, row, x, columns, best + 1 < n ? best + 1 : best - 1);
+    out.cost[first + x] = static_cast<uint16_t>(std::min({here, before, after}));
+    out.before[first + x] = static_cast<uint16_t>(before);
+    out.after[first + x] = static_cast<uint16_t>(after);
     out.refused[first + x] = cost > s.most ? candidate_not_unique : 0;
     for (int i = 0; s.unique > 0 && i < n; ++i)
       if (std::abs(i - best) > 1 && *at(sums, volume, x, i) <= more(cost, s.unique)) out.refused[first + x] = candidate_not_unique;
   }
   for (int x = 0; x < columns; ++x) {
     const int i = out.index[first + x];
-    int match = out.cost[first + x];
+    int match = *at(sums, volume, x, i);
     if (x > 0 && i > 0) match = std::min<int>(match, *at(sums, volume, x - 1, i - 1));
     if (x + 1 < columns && i + 1 < n) match = std::min<int>(match, *at(sums, volume, x + 1, i + 1));
     if (more(right[columns - 1 - x + i], s.left_right) < match) out.refused[first + x] |= candidate_left_right;

@@ -40,6 +40,9 @@ struct SemiGlobal {
   int jump(int step) const { return std::max(large - (step << slope), large_least); }
 };
 
+/// Columns that the sub-pixel part is taken from.
+inline constexpr int sub_pixel_step = 3, sub_pixel_reach = 6;
+
 /// Bytes behind the end of the code planes' rows that are read, whatever they hold.
 inline constexpr int codes_margin = 64;
 
@@ -96,8 +99,10 @@ using PathsAcross = void(const SemiGlobal& search, int row, const SemiGlobalVolu
 /// [first_block, last_block) do not depend on the others, and are always called alike; with 8 it is one call for all.
 using PathsDown = void(const SemiGlobal& search, int first_block, int last_block, int first_row, int last_row, bool up,
                        const SemiGlobalVolume& volume);
-/// Step 3: the candidates of one row from its sums, for columns [first_column, last_column), with the meaning they have in MatchRow.
-/// Without `fresh` the last call with this work space was for a row of the same search.
+/// Step 3: the candidates of one row for columns [first_column, last_column): the best of its sums, with the meaning it has in MatchRow.
+/// cost, before and after are for the sub-pixel part alone: costs of step 1 in a row of columns, `sub_pixel_step` apart up to
+/// `sub_pixel_reach` to either side, and none of them below `cost`. Sums of paths lean to where the paths come from, which is 0.16 px on a
+/// floor with 3 of them. Without `fresh` the last call with this work space was for a row of the same search.
 using PathsRow = void(const SemiGlobal& search, int row, bool fresh, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out);
 
 namespace plain {

@@ -11,8 +11,9 @@ namespace {
 constexpr int rows_across = kernels::SemiGlobalVolume::rows_across;
 constexpr int gradient_cap = 31;       // as in the block matcher
 constexpr int left_right_margin = 60;  // percent: sums of paths differ by little from one pixel to the next
-constexpr int most_of_path = 35;       // sum of a path above which it found nothing: noise and what one view alone sees
-constexpr int least_band = 8;          // rows
+constexpr int most_of_path = 45;       // less thresh: sum of a path above which it found nothing: noise and what one view alone sees
+constexpr int least_of_path = 20;
+constexpr int least_band = 8;  // rows
 
 }  // namespace
 
@@ -46,7 +47,7 @@ kernels::SemiGlobal SemiGlobalMatcher::search_in(const Image& left) const {
   search.min_disparity = p.minDisparity;
   search.paths = paths_;
   search.unique = kernels::percent_factor(p.unique) / 4;
-  search.most = std::min(most_of_path * std::min(paths_, 4), 255);
+  search.most = std::min(std::max(most_of_path - p.thresh, least_of_path) * std::min(paths_, 4), 255);
   search.left_right = kernels::percent_factor(left_right_margin);
   search.image = {left.row<uint8_t>(0), left.spec.width, left.spec.height, static_cast<ptrdiff_t>(left.spec.stride())};
   search.left_low = left_.low;

@@ -190,7 +190,8 @@ TEST(SemiGlobal, a_blank_stretch_takes_the_disparity_around_it) {
   }
 }
 
-/// One pixel that differs in all 16 bits costs 16 / 4 in the 9 windows that hold it: the arithmetic of the costs, without paths.
+/// One pixel that differs in all 16 bits costs 16 / 4 in the 9 windows that hold it, and that in the five columns that are summed for the
+/// sub-pixel part: the arithmetic of the costs, without paths.
 TEST(SemiGlobal, costs_are_bits_over_three_by_three_pixels) {
   Scene scene(60, 20);
   fill(scene.left, Content::black, 0);
@@ -200,10 +201,11 @@ TEST(SemiGlobal, costs_are_bits_over_three_by_three_pixels) {
   s.small = s.large = s.large_least = 0;
   const auto rows = match(kernels("plain"), s);
   const int columns = s.columns(), at = columns + 30 - s.first_column();  // of the costs
-  EXPECT_EQ(rows[10][at], 3 * (16 / 4)) << "three paths bring the cost each";
-  EXPECT_EQ(rows[11][at - 1], 12) << "a neighbour's window holds it";
+  EXPECT_EQ(rows[10][at], 16 / 4) << "of the five columns it is summed over, one lies beside the pixel";
+  EXPECT_EQ(rows[11][at - 1], 16 / 4) << "a neighbour's window holds it";
   EXPECT_EQ(rows[12][at], 0);
-  EXPECT_EQ(rows[10][at + 2], 0);
+  EXPECT_EQ(rows[10][at + 6], 16 / 4) << "the fifth column";
+  EXPECT_EQ(rows[10][at + 8], 0);
 }
 
 }  // namespace
