@@ -38,13 +38,15 @@ const char* key(Rejected why) {
 
 const char* state_word(FloorState state) { return state == FloorState::found ? "found" : state == FloorState::held ? "held" : "lost"; }
 
+const char* model_word(FloorKind kind) { return kind == FloorKind::plane ? "plane" : kind == FloorKind::profile ? "profile" : "line"; }
+
 }  // namespace
 
 ordered_json floor_json(const Image& image) {
   const FloorModel* floor = image.valid() ? record_of<FloorModel>(image) : nullptr;
   ordered_json json;
   json["state"] = floor ? state_word(floor->state) : "lost";
-  json["model"] = "line";
+  json["model"] = model_word(floor ? floor->model : FloorKind::line);
   const double none = NAN;
   json["a"] = number(floor ? floor->a : none);
   json["b"] = number(floor ? floor->b : none);
@@ -55,6 +57,16 @@ ordered_json floor_json(const Image& image) {
   json["reason"] = name(floor ? floor->reason : image.reason);
   json["points"] = floor ? floor->points : 0;
   json["mounting_differs"] = floor && floor->mounting_differs != 0;
+  json["tilt"] = number(floor ? floor->tilt : none);
+  json["steady_pitch_rad"] = number(floor ? floor->steady_pitch_rad : none);
+  json["steady_roll_rad"] = number(floor ? floor->steady_roll_rad : none);
+  json["steady_height_m"] = number(floor ? floor->steady_height_m : none);
+  json["held_s"] = number(floor ? floor->held_s : none);
+  json["profile"] = ordered_json::array();
+  for (uint32_t i = 0; floor && i < std::min(floor->profile_count, FloorModel::profile_capacity); ++i) {
+    json["profile"].push_back({{"ahead_m", number(static_cast<double>(floor->profile_start_m + static_cast<float>(i) * floor->profile_step_m))},
+                               {"height_m", number(static_cast<double>(floor->profile_m[i]))}});
+  }
   return json;
 }
 

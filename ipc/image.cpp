@@ -16,6 +16,11 @@ std::string_view name(Reason reason) {
     case Reason::no_floor_line: return "no_floor_line";
     case Reason::no_pitch: return "no_pitch";
     case Reason::no_last_image: return "no_last_image";
+    case Reason::too_dark: return "too_dark";
+    case Reason::too_bright: return "too_bright";
+    case Reason::no_texture: return "no_texture";
+    case Reason::no_matches: return "no_matches";
+    case Reason::no_floor: return "no_floor";
     case Reason::count: break;
   }
   return "unknown";
@@ -31,6 +36,11 @@ std::string_view describe(Reason reason) {
     case Reason::no_floor_line: return "no line in the v-disparity between anglefloorMin and anglefloorMax";
     case Reason::no_pitch: return "angRot = auto, and no pitch was measured";
     case Reason::no_last_image: return "nothing was made of the last frame, or there was none";
+    case Reason::too_dark: return "the image is dark: no light, or a cap on the lens";
+    case Reason::too_bright: return "the image is over-exposed";
+    case Reason::no_texture: return "there is hardly any texture";
+    case Reason::no_matches: return "there is texture, and hardly a match: something stands too near, or the views are no pair";
+    case Reason::no_floor: return "no plane that could be the floor";
     case Reason::count: break;
   }
   return "a reason this version does not know";

@@ -52,6 +52,11 @@ enum class Reason : uint32_t {
   no_floor_line,   ///< no line between anglefloorMin and anglefloorMax
   no_pitch,        ///< angRot = auto, and no pitch was measured
   no_last_image,   ///< a delayed input: nothing was made of the last frame, or this is the first
+  too_dark,        ///< no light, or a lens cap
+  too_bright,      ///< over-exposed
+  no_texture,      ///< hardly a pixel has texture
+  no_matches,      ///< texture, and hardly a match: blocked, nearer than can be seen, or not a pair
+  no_floor,        ///< no plane that the floor could be
   count            ///< number of reasons, not one of them
 };
 /// One word for files, one phrase for people.

@@ -16,25 +16,32 @@ struct RecordHeader {
 };
 
 enum class FloorState : uint32_t { lost = 0, found = 1, held = 2 };
-enum class FloorKind : uint32_t { line = 1 };
+enum class FloorKind : uint32_t { line = 1, plane = 2, profile = 3 };
 
-/// The floor of one frame: row v = 16 a d' + b, where d' is the true disparity in px (0 at infinity, CameraGeometry::cx_offset).
+/// The floor of one frame: true disparity d' = (v - b) / (16 a) + tilt (u - cx) at column u, row v, px (0 at infinity,
+/// CameraGeometry::cx_offset). The line knows no tilt. A profile stands on its plane: the local floor is higher than it by profile_m.
 struct FloorModel {
   static constexpr RecordType type = RecordType::floor_model;
-  static constexpr uint16_t version = 1;
+  static constexpr uint16_t version = 2;
+  static constexpr uint32_t profile_capacity = 64;
   RecordHeader header;
   FloorState state;
   FloorKind model;
   double a;                   ///< rows per column of the v-disparity, that is per 1/16 px; 0 when lost
-  double b;                   ///< row at d' = 0
+  double b;                   ///< row at d' = 0 in the middle column, cx
   double pitch_rad;           ///< positive: the camera looks down; NaN without calibration or floor
   double roll_rad;            ///< positive: right side low; NaN where the model does not measure it
   double height_m;            ///< of the camera over the floor; NaN without calibration or floor
-  double confidence;          ///< 0..1: share of the votes of all points of the v-disparity that lie on the line
-  Reason reason;              ///< why lost, or what could not be measured
-  uint32_t points;            ///< points of the v-disparity that lie on the line; how many there were, when lost
+  double confidence;          ///< 0..1: line: share of the votes that lie on it; plane: of what is on it or beyond it, and of a good number
+  Reason reason;              ///< why lost or held, or what could not be measured
+  uint32_t points;            ///< points that lie on the floor; how many there were, when lost
   uint32_t mounting_differs;  ///< 1: pitch or height lie outside the tolerances of [mounting]
-  uint32_t unused;
+  uint32_t profile_count;     ///< elements of profile_m; 0: none
+  double tilt;                ///< px of disparity per column
+  double steady_pitch_rad, steady_roll_rad, steady_height_m;  ///< filtered over some seconds; NaN where not known
+  double held_s;                                              ///< age of a held floor
+  float profile_start_m, profile_step_m;                      ///< ground distance of profile_m[0], and from one to the next
+  float profile_m[profile_capacity];                          ///< height of the local floor over the plane
 };
 
 /// How CatalogueEntry::parents names an input that is of the frame before; twice gives the index back.
@@ -100,7 +107,7 @@ struct TruthScene {
   TruthObject objects[capacity];
 };
 
-static_assert(sizeof(FloorModel) == 80 && sizeof(CatalogueEntry) == 120 && sizeof(Heartbeat) == 32);
+static_assert(sizeof(FloorModel) == 384 && sizeof(CatalogueEntry) == 120 && sizeof(Heartbeat) == 32);
 
 /// The spec of an image that carries record R.
 template <class R>

@@ -32,6 +32,8 @@ Kernels plain_kernels() {
       .collect_points = plain::collect_points,
       .count_near = plain::count_near,
       .sum_near = plain::sum_near,
+      .count_on_plane = plain::count_on_plane,
+      .measure_heights = plain::measure_heights,
       .mark_above = plain::mark_above,
       .count_cells = plain::count_cells,
       .match_row = plain::match_row,
@@ -78,6 +80,8 @@ Kernels kernels(std::string_view level) {
     choose_prefilter(table);
     choose_vdisparity(table);
     choose_line_search(table);
+    choose_plane_search(table);
+    choose_height(table);
     choose_map(table);
     choose_block_match(table);
     choose_resolve(table);

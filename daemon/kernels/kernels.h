@@ -9,8 +9,10 @@
 #include "daemon/kernels/block_match.h"
 #include "daemon/kernels/census.h"
 #include "daemon/kernels/debayer.h"
+#include "daemon/kernels/height.h"
 #include "daemon/kernels/line_search.h"
 #include "daemon/kernels/map.h"
+#include "daemon/kernels/plane_search.h"
 #include "daemon/kernels/prefilter.h"
 #include "daemon/kernels/rectify.h"
 #include "daemon/kernels/resolve.h"
@@ -31,6 +33,8 @@ struct Kernels {
   CollectPoints* collect_points;
   CountNear* count_near;
   SumNear* sum_near;
+  CountOnPlane* count_on_plane;
+  MeasureHeights* measure_heights;
   MarkAbove* mark_above;
   CountCells* count_cells;
   MatchRow* match_row;

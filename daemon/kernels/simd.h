@@ -18,6 +18,8 @@ struct Kernels;
 void choose_prefilter(Kernels& table);
 void choose_vdisparity(Kernels& table);
 void choose_line_search(Kernels& table);
+void choose_plane_search(Kernels& table);
+void choose_height(Kernels& table);
 void choose_map(Kernels& table);
 void choose_block_match(Kernels& table);
 void choose_resolve(Kernels& table);

@@ -1,0 +1,49 @@
+// height.h: contract: how high above the local floor each pixel of a row lies, and what that makes of it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "daemon/kernels/search.h"
+
+namespace vdisp::kernels {
+
+/// What a pixel is, by its height over the local floor.
+enum class Surface : uint8_t {
+  none = 0,  ///< no disparity that counts
+  floor,     ///< no higher than a step that the rover climbs, no lower than a hole that counts
+  obstacle,  ///< higher, and in the way
+  overhang,  ///< so high that the rover passes below
+  below,     ///< under the floor
+};
+
+/// height = camera - scale * d_floor / d' - profile[d], mm, where d_floor = first + u * step is the plane's true disparity at column u. `camera` and
+/// `scale` are both the height of the camera, mm.
+struct HeightRow {
+  float camera, first, step;
+  float step_mm;       ///< above: obstacle
+  float clearance_mm;  ///< from here on: overhang
+  float hole_mm;       ///< positive; lower than minus this: below
+};
+
+/// Per raw disparity, from search.first on: inverse[i] = camera / d' of it, profile[i] = height of the local floor over the plane, mm.
+struct HeightTables {
+  const float *inverse, *profile;
+};
+
+/// One row of `n` disparities: height in mm, rounded towards zero and held within +-32000 (`none` where there is no disparity), the surface, and the
+/// disparity again where it is an obstacle and where it is an overhang, else `refused`.
+struct HeightOut {
+  int16_t* height;
+  uint8_t* surface;
+  int16_t *obstacles, *overhangs;
+  int16_t none, refused;
+};
+using MeasureHeights = void(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTables& tables,
+                            const HeightOut& out);
+
+namespace plain {
+MeasureHeights measure_heights;
+}
+
+}  // namespace vdisp::kernels

@@ -1,0 +1,124 @@
+// floor_profile.cpp: points into a grid of distance and height, and the cheapest way through it.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/floor_profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdisp {
+namespace {
+
+constexpr double roughness = 0.02;     // m, of ground that is one with its profile
+constexpr double disparity_noise = 0.35;  // px
+constexpr float most_counted = 8;      // points of a distance: more say nothing new
+constexpr float price_of_step = 0.10f, price_of_level = 0.002f, price_of_below = 1.2f;
+
+}  // namespace
+
+void FloorProfile::prepare() {
+  seen_.assign(bins * levels, 0.0f);
+  cost_.assign(bins * levels, 0.0f);
+  came_from_.assign(bins * levels, 0);
+}
+
+void FloorProfile::measure(const PlaneSearch& points, const StereoView& view, FloorModel& model) noexcept {
+  Scale scale{};
+  scale.count = std::clamp(static_cast<int>(std::ceil(config_.map.range / config_.map.cell)), 8, bins);
+  scale.step = config_.map.range / scale.count;
+  scale.start = scale.step / 2;
+  scale.level = scale.step * std::tan(config_.floor.maxSlope) / reach;
+  count(points, view, model, scale);
+  find_way(model, view, scale);
+  write(scale, model);
+}
+
+void FloorProfile::count(const PlaneSearch& points, const StereoView& view, const FloorModel& model, const Scale& scale) noexcept {
+  std::fill(seen_.begin(), seen_.end(), 0.0f);
+  const double fb = view.f * view.baseline, cos_pitch = std::cos(model.pitch_rad), sin_pitch = std::sin(model.pitch_rad);
+  const double down = 1 / (16 * model.a), middle_disparity = down * (view.cy - model.b);
+  const double cos_roll = std::cos(model.roll_rad), sin_roll = std::sin(model.roll_rad);
+  for (size_t i = 0; i < points.points(); ++i) {
+    const auto [u, v, d] = points.point(i);
+    if (d <= 0.5) continue;
+    const double z = fb / d, y = (u * sin_roll + v * cos_roll) * z / view.f, ahead = z * cos_pitch - y * sin_pitch;
+    const int bin = static_cast<int>(std::floor(ahead / scale.step));
+    if (bin < 0 || bin >= scale.count) continue;
+    const double floor = model.tilt * u + down * v + middle_disparity, height = model.height_m * (1 - floor / d);
+    const int level = middle + static_cast<int>(std::lround(height / scale.level));
+    if (level < levels) seen(bin, std::max(level, 0)) += 1;
+  }
+}
+
+void FloorProfile::find_way(const FloorModel& model, const StereoView& view, const Scale& scale) noexcept {
+  for (int bin = 0; bin < scale.count; ++bin) {
+    const double z = scale.start + bin * scale.step;
+    const double noise = model.height_m * disparity_noise * std::hypot(z, model.height_m) / (view.f * view.baseline);
+    const int on = std::clamp(static_cast<int>((roughness + 1.5 * noise) / scale.level), 1, middle / 2), gap = 2 * on;
+    float* cost = &cost_[static_cast<size_t>(bin * levels)];
+    float all = 0, sums[levels + 1];
+    for (int level = 0; level < levels; ++level) {
+      sums[level] = all;
+      all += seen(bin, level);
+    }
+    sums[levels] = all;
+    for (int level = 0; level < levels; ++level) {
+      const float on_it = sums[std::min(level + on + 1, levels)] - sums[std::max(level - on, 0)], below = sums[std::max(level - gap, 0)];
+      cost[level] = (price_of_below * std::min(below, most_counted) - std::min(on_it, most_counted)) / most_counted +
+                    price_of_level * static_cast<float>(std::abs(level - middle));
+    }
+    if (bin == 0) {
+      // The rover stands on its floor: the plane goes through the ground below it.
+      for (int level = 0; level < levels; ++level) cost[level] += 0.05f * static_cast<float>(std::abs(level - middle));
+      continue;
+    }
+    const float* before = cost - levels;
+    for (int level = 0; level < levels; ++level) {
+      int best = 0;
+      float least = before[level];
+      for (int step = -reach; step <= reach; ++step) {
+        if (level + step < 0 || level + step >= levels) continue;
+        const float here = before[level + step] + price_of_step * static_cast<float>(std::abs(step));
+        if (here < least) {
+          least = here;
+          best = step;
+        }
+      }
+      cost[level] += least;
+      came_from_[static_cast<size_t>(bin * levels + level)] = static_cast<int8_t>(best);
+    }
+  }
+  const float* last = &cost_[static_cast<size_t>((scale.count - 1) * levels)];
+  int level = static_cast<int>(std::min_element(last, last + levels) - last);
+  for (int bin = scale.count - 1; bin >= 0; --bin) {
+    way_[bin] = level;
+    level += came_from_[static_cast<size_t>(bin * levels + level)] * (bin > 0);
+  }
+}
+
+void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
+  model.profile_count = static_cast<uint32_t>(scale.count);
+  model.profile_start_m = static_cast<float>(scale.start);
+  model.profile_step_m = static_cast<float>(scale.step);
+  float exact[bins];
+  for (int bin = 0; bin < scale.count; ++bin) {
+    // The points around the way say where between two levels it lies.
+    double sum = 0, count = 0;
+    for (int level = std::max(way_[bin] - 2, 0); level <= std::min(way_[bin] + 2, levels - 1); ++level) {
+      const double points = static_cast<double>(seen_[static_cast<size_t>(bin * levels + level)]);
+      sum += points * (level - way_[bin]);
+      count += points;
+    }
+    exact[bin] = static_cast<float>((way_[bin] - middle + (count >= 3 ? sum / count : 0)) * scale.level);
+  }
+  for (int bin = 0; bin < scale.count; ++bin) {
+    float sum = 0, weight = 0;
+    for (int k = std::max(bin - 2, 0); k <= std::min(bin + 2, scale.count - 1); ++k) {
+      const float w = static_cast<float>(3 - std::abs(k - bin));
+      sum += w * exact[k];
+      weight += w;
+    }
+    model.profile_m[bin] = sum / weight;
+  }
+}
+
+}  // namespace vdisp

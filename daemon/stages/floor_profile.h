@@ -1,0 +1,41 @@
+// floor_profile.h: part of `floor`: how high the local floor lies over its plane, along the way ahead.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "config/config.h"
+#include "daemon/stages/plane_search.h"
+#include "ipc/records.h"
+
+namespace vdisp {
+
+/// The cheapest way through a grid of distances and heights, by dynamic programming: points that lie on it pay, points seen below it cost
+/// (obstacles stand on the floor, nothing is seen through it), and it neither rises nor falls more than `maxSlope` against the plane. So ramps,
+/// crests and bent ground are floor, and a kerb, a wall or a hole is not.
+class FloorProfile {
+ public:
+  explicit FloorProfile(const Config& config) : config_(config) {}
+  void prepare();
+  /// Fills the profile of a model whose plane is known, in metres.
+  void measure(const PlaneSearch& points, const StereoView& view, FloorModel& model) noexcept;
+
+ private:
+  static constexpr int bins = static_cast<int>(FloorModel::profile_capacity), levels = 161, middle = levels / 2, reach = 3;
+  struct Scale {
+    double start, step, level;  // m
+    int count;                  // bins in use
+  };
+  void count(const PlaneSearch& points, const StereoView& view, const FloorModel& model, const Scale& scale) noexcept;
+  void find_way(const FloorModel& model, const StereoView& view, const Scale& scale) noexcept;
+  void write(const Scale& scale, FloorModel& model) const noexcept;
+  float& seen(int bin, int level) { return seen_[static_cast<size_t>(bin * levels + level)]; }
+
+  const Config& config_;
+  std::vector<float> seen_;       // points by bin and level
+  std::vector<float> cost_;       // of the cheapest way to here
+  std::vector<int8_t> came_from_;  // level of the bin before, less this one
+  int way_[bins] = {};
+};
+
+}  // namespace vdisp

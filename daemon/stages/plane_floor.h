@@ -1,0 +1,41 @@
+// plane_floor.h: stages `floor` and `floor_model` for [Floor] model = plane | profile: found, held or lost, and why.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "daemon/core/processor.h"
+#include "daemon/stages/floor_profile.h"
+#include "daemon/stages/plane_search.h"
+
+namespace vdisp {
+
+/// disparity16 and the left view (gray8) to line16 (row of the local floor in the middle column for each column of the v-disparity, not clipped) and
+/// the record FloorModel.
+///
+/// found: measured in this frame. held: not found, and the last one found is taken, for at most `hold` s, and never where there is no
+/// light, no texture, or nothing that matches. lost: neither; blind, with the reason.
+class PlaneFloor final : public ImageProcessor {
+ public:
+  PlaneFloor(Machine& machine, const Config& config)
+      : config_(config), profiles_(config.floor.model == "profile"), search_(machine, config), profile_(config) {}
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+
+ private:
+  /// Why nothing can be seen in these images; none if something can.
+  Reason blindness(const Image& disparity, const Image& left) const noexcept;
+  bool find(const Image& disparity, FloorModel& model) noexcept;
+  void describe(const StereoView& view, const PlaneSearch::Found& found, FloorModel& model) noexcept;
+  void steady(const Image& disparity, FloorModel& model) noexcept;
+  bool hold(const Image& disparity, Reason why, FloorModel& model) noexcept;
+
+  const Config& config_;
+  bool profiles_;
+  PlaneSearch search_;
+  FloorProfile profile_;
+  std::optional<FloorModel> last_;  // found
+  int64_t last_ns_ = 0;
+};
+
+}  // namespace vdisp

@@ -1,0 +1,167 @@
+// plane_search.cpp: planes drawn at random, judged, and the best fitted to their points.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/plane_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/kernels/line_search.h"
+#include "daemon/stages/projection.h"
+
+namespace vdisp {
+namespace {
+
+constexpr int column_step = 6, row_step = 6;          // of 640x480; larger images in proportion
+constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disparity: rough ground is rough in proportion
+constexpr double most_roll = 0.45, most_pitch = 1.35;  // rad
+constexpr double least_height = 0.05, most_height = 15;  // m
+constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
+// How far a floor may be off what was expected until that counts half of what lies on it.
+constexpr double height_off = 0.25, pitch_off = 0.20, roll_off = 0.20, last_off = 0.15;
+
+double bell(double off, double half) { return 1 / (1 + off * off / (half * half)); }
+
+}  // namespace
+
+double PlaneSearch::reach(double floor_disparity) {
+  return static_cast<double>(plane_reach.reach) + static_cast<double>(plane_reach.share) * floor_disparity;
+}
+
+void PlaneSearch::prepare(const ImageSpec& disparity) {
+  const size_t room = kernels::point_room((disparity.width / column_step + 1u) * (disparity.height / row_step + 1u));
+  for (auto* list : {&u_, &v_, &d_}) list->assign(room, 0.0f);
+}
+
+size_t PlaneSearch::collect(const Image& disparity) {
+  const CameraGeometry& g = disparity.camera;
+  const kernels::Search search = search_of(g, 16 * g.disparities);
+  const int across = std::max(column_step, disparity.spec.width * column_step / 640), down = std::max(row_step, disparity.spec.height * row_step / 480);
+  n_ = 0;
+  for (int v = down / 2; v < disparity.spec.height; v += down) {
+    const int16_t* row = disparity.row<int16_t>(v);
+    // Rows are shifted against each other, so that no column of the image is always left out.
+    for (int u = v * 5 / 3 % across; u < disparity.spec.width; u += across) {
+      if (!search.counts(row[u])) continue;
+      u_[n_] = static_cast<float>(u) - g.cx;
+      v_[n_] = static_cast<float>(v) - g.cy;
+      d_[n_++] = static_cast<float>(true_disparity(g, row[u] - search.first));
+    }
+  }
+  return n_;
+}
+
+std::optional<FloorPlane> PlaneSearch::through_three(Random& random) const {
+  const auto a = point(any(random)), b = point(any(random)), c = point(any(random));
+  const double bu = b[0] - a[0], bv = b[1] - a[1], bd = b[2] - a[2], cu = c[0] - a[0], cv = c[1] - a[1], cd = c[2] - a[2];
+  const double area = bu * cv - bv * cu;
+  if (std::abs(area) < 100) return std::nullopt;
+  const double across = (bd * cv - bv * cd) / area, down = (bu * cd - bd * cu) / area;
+  return FloorPlane{across, down, a[2] - across * a[0] - down * a[1]};
+}
+
+std::optional<FloorPlane> PlaneSearch::through_two(Random& random, double roll) const {
+  const auto a = point(any(random)), b = point(any(random));
+  const double tangent = std::tan(roll), run = (b[1] - a[1]) + tangent * (b[0] - a[0]);
+  if (std::abs(run) < 10) return std::nullopt;
+  const double down = (b[2] - a[2]) / run;
+  return FloorPlane{tangent * down, down, a[2] - down * (a[1] + tangent * a[0])};
+}
+
+std::optional<FloorPlane> PlaneSearch::through_one(Random& random, const StereoView& view, double roll, double height) const {
+  const auto a = point(any(random));
+  // sin t + w cos t = q, with w the slope of the ray along the roll's down, and q what its disparity asks for.
+  const double w = (a[0] * std::sin(roll) + a[1] * std::cos(roll)) / view.f, q = height * a[2] / (view.f * view.baseline);
+  const double length = std::hypot(1, w);
+  if (q >= length) return std::nullopt;
+  return plane_of({std::asin(q / length) - std::atan(w), roll, height}, view);
+}
+
+std::optional<FloorPlane> PlaneSearch::draw(int kind, Random& random, const StereoView& view) const {
+  const double chance = static_cast<double>(random() % 2001) / 1000 - 1;  // -1..1
+  const double expected_roll = last_roll_.value_or(config_.mounting.roll), roll = random() % 2 ? expected_roll : expected_roll + 0.12 * chance;
+  if (kind == 0) return through_three(random);
+  if (kind == 1) return through_two(random, roll);
+  const double spread = config_.mounting.heightTolerance, height = config_.mounting.height * (1 + spread * (static_cast<double>(random() % 2001) / 1000 - 1));
+  return view.calibrated() && height > 0 ? through_one(random, view, roll, height) : through_two(random, expected_roll);
+}
+
+double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const {
+  if (!(plane.down > 1e-4) || std::abs(plane.across) > std::tan(most_roll) * plane.down) return 0;
+  if (!view.calibrated()) return 1;
+  const PlanePose pose = pose_of(plane, view);
+  if (!(pose.height > least_height && pose.height < most_height && std::abs(pose.pitch) < most_pitch)) return 0;
+  const double height = config_.mounting.height, pitch = config_.expected_pitch();
+  double likely = bell(pose.roll - config_.mounting.roll, roll_off);
+  if (height > 0) likely *= bell(pose.height / height - 1, height_off);
+  if (!std::isnan(pitch)) likely *= bell(pose.pitch - pitch, pitch_off);
+  if (last) {
+    const PlanePose before = pose_of(*last, view);
+    likely *= 0.5 + 0.5 * bell(pose.height / before.height - 1, last_off) * bell(pose.pitch - before.pitch, last_off) *
+                        bell(pose.roll - before.roll, last_off);
+  }
+  return likely;
+}
+
+PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const {
+  Found found{plane, {}, likely(plane, view, last)};
+  if (found.score <= 0) return found;
+  const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
+  found.count = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
+  found.score *= std::max(0.0, static_cast<double>(found.count.on) - static_cast<double>(found.count.beyond));
+  return found;
+}
+
+FloorPlane PlaneSearch::refine(FloorPlane plane) const {
+  for (const double width : {1.5, 1.2, 1.0, 1.0}) {
+    double s[3][4]{};
+    for (size_t i = 0; i < n_; ++i) {
+      const auto [u, v, d] = point(i);
+      const double floor = plane.across * u + plane.down * v + plane.middle, limit = width * reach(floor), off = (d - floor) / limit;
+      if (!(floor > 0) || std::abs(off) >= 1) continue;
+      const double weight = (1 - off * off) * (1 - off * off), x[4] = {u, v, 1, d};
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c) s[r][c] += weight * x[r] * x[c];
+    }
+    for (int r = 0; r < 3; ++r) {
+      if (std::abs(s[r][r]) < 1e-6) return plane;
+      for (int other = 0; other < 3; ++other) {
+        if (other == r) continue;
+        const double factor = s[other][r] / s[r][r];
+        for (int c = r; c < 4; ++c) s[other][c] -= factor * s[r][c];
+      }
+    }
+    plane = {s[0][3] / s[0][0], s[1][3] / s[1][1], s[2][3] / s[2][2]};
+  }
+  return plane;
+}
+
+std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, uint64_t seed, const FloorPlane* last) {
+  if (n_ < 3) return std::nullopt;
+  Random random(static_cast<uint32_t>(seed % 2147483646 + 1));
+  last_roll_.reset();
+  if (last) last_roll_ = std::atan2(last->across, last->down);
+  std::array<Found, kept> best{};
+  size_t count = 0;
+  const auto keep = [&](const Found& found) {
+    if (found.score <= 0) return;
+    size_t i = count < kept ? count++ : kept - 1;
+    if (i == kept - 1 && best[i].score >= found.score) return;
+    for (; i > 0 && best[i - 1].score < found.score; --i) best[i] = best[i - 1];
+    best[i] = found;
+  };
+  if (last) keep(judge(*last, view, last));
+  for (int kind = 0; kind < 3; ++kind) {
+    for (int i = 0; i < tries_of_kind[kind]; ++i) {
+      if (const auto plane = draw(kind, random, view)) keep(judge(*plane, view, last));
+    }
+  }
+  std::optional<Found> winner;
+  for (size_t i = 0; i < count; ++i) {
+    Found found = judge(refine(best[i].plane), view, last);
+    if (found.score < best[i].score) found = best[i];
+    if (!winner || found.score > winner->score) winner = found;
+  }
+  return winner;
+}
+
+}  // namespace vdisp

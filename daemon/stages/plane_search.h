@@ -1,0 +1,65 @@
+// plane_search.h: part of `floor`: the plane of disparities that the floor most likely is.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <random>
+
+#include "config/config.h"
+#include "daemon/geometry/floor_plane.h"
+#include "daemon/kernels/aligned.h"
+#include "daemon/stages/machine.h"
+#include "ipc/image.h"
+
+namespace vdisp {
+
+/// Random planes through points of the disparity image, judged by what lies on them, less what lies beyond them (nothing is seen through a
+/// floor), and by how well they agree with the mounting and the last floor. Points are drawn by threes; by twos, with a roll taken for granted; and
+/// one by one, with roll and height, which finds a floor of which hardly anything is seen. The best are fitted to their points, with
+/// Tukey's weights.
+class PlaneSearch {
+ public:
+  PlaneSearch(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
+  void prepare(const ImageSpec& disparity);
+
+  struct Found {
+    FloorPlane plane;
+    kernels::PlaneCount count;
+    double score;
+  };
+  /// Takes every few pixels of the disparity image that have a disparity above 0. Returns how many.
+  size_t collect(const Image& disparity);
+  size_t points() const { return n_; }
+  /// u - cx, v - cy and true disparity of a point.
+  std::array<double, 3> point(size_t i) const {
+    return {static_cast<double>(u_[i]), static_cast<double>(v_[i]), static_cast<double>(d_[i])};
+  }
+  /// The same points and seed give the same plane. `last`: the floor of the last frame, or null.
+  std::optional<Found> search(const StereoView& view, uint64_t seed, const FloorPlane* last);
+  /// Where a point has this true disparity of the floor it may be off by so much, px.
+  static double reach(double floor_disparity);
+
+ private:
+  using Random = std::minstd_rand;
+  static constexpr size_t kept = 4;
+
+  std::optional<FloorPlane> draw(int kind, Random& random, const StereoView& view) const;
+  std::optional<FloorPlane> through_three(Random& random) const;
+  std::optional<FloorPlane> through_two(Random& random, double roll) const;
+  std::optional<FloorPlane> through_one(Random& random, const StereoView& view, double roll, double height) const;
+  /// How far what is known beforehand supports a plane, 0..1; 0: it cannot be the floor.
+  double likely(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
+  Found judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
+  FloorPlane refine(FloorPlane plane) const;
+  kernels::DisparityPoints lists() const { return {u_.data(), v_.data(), d_.data()}; }
+  size_t any(Random& random) const { return random() % n_; }
+
+  Machine& machine_;
+  const Config& config_;
+  mutable kernels::Aligned<float> u_, v_, d_;
+  size_t n_ = 0;
+  std::optional<double> last_roll_;
+};
+
+}  // namespace vdisp
