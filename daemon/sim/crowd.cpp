@@ -11,15 +11,16 @@ namespace vdisp::sim {
 namespace {
 
 constexpr double floor_reach = 6;  // m: floor farther away than this is not counted
-constexpr double least_share = 0.66, most_share = 0.74;
+constexpr double least_share = 0.69, most_share = 0.75;
 
 /// True where the ray meets the object nearer than `most`; rays are in the world, `most` in lengths of `ray`.
 bool meets(const SceneObject& o, double ground, const Point& from, const Point& ray, double most) {
   const double c = std::cos(o.yaw), s = std::sin(o.yaw), x = from.x - o.x, z = from.z - o.z;
   const bool round = o.kind == ObjectKind::rock;
-  // To axes in which the object is the unit ball or the unit cube. A rock is a third in the ground.
-  const double half[3] = {o.width / 2, round ? 0.75 * o.height : o.height / 2, o.depth / 2};
-  const double p[3] = {(c * x + s * z) / half[0], (ground - from.y - o.height + half[1]) / half[1], (c * z - s * x) / half[2]};
+  // To axes in which the object is the unit ball, cylinder or cube. A rock is a third in the ground, and its dents take a tenth.
+  const double full = round ? 0.9 : 1;
+  const double half[3] = {full * o.width / 2, full * (round ? 0.75 : 0.5) * o.height, full * o.depth / 2};
+  const double p[3] = {(c * x + s * z) / half[0], (ground - from.y - o.height + half[1] / full) / half[1], (c * z - s * x) / half[2]};
   const double d[3] = {(c * ray.x + s * ray.z) / half[0], -ray.y / half[1], (c * ray.z - s * ray.x) / half[2]};
   if (round) {
     const double a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], b = p[0] * d[0] + p[1] * d[1] + p[2] * d[2];
@@ -27,7 +28,14 @@ bool meets(const SceneObject& o, double ground, const Point& from, const Point& 
     return root >= 0 && (-b - std::sqrt(root)) / a > 0 && (-b - std::sqrt(root)) / a < most;
   }
   double near = 0, far = most;
-  for (int i = 0; i < 3; ++i) {
+  const bool pillar = o.kind == ObjectKind::post;
+  if (pillar) {
+    const double a = d[0] * d[0] + d[2] * d[2], b = p[0] * d[0] + p[2] * d[2], root = b * b - a * (p[0] * p[0] + p[2] * p[2] - 1);
+    if (root < 0) return false;
+    near = std::max(near, (-b - std::sqrt(root)) / a);
+    far = std::min(far, (-b + std::sqrt(root)) / a);
+  }
+  for (int i = pillar ? 1 : 0; i < (pillar ? 2 : 3); ++i) {
     const double one = (-1 - p[i]) / d[i], other = (1 - p[i]) / d[i];
     near = std::max(near, std::min(one, other));
     far = std::min(far, std::max(one, other));
@@ -67,9 +75,11 @@ void Scene::build_crowd(Chance& chance) {
   size_t covered = 0;
   for (int attempt = 0; attempt < 4000 && static_cast<double>(covered) < least_share * all && objects_.size() < most_objects; ++attempt) {
     SceneObject object = random_object(chance);
-    object.z = chance.between(1.15 + object.radius(), 4.5);
-    object.x = chance.between(-0.55, 0.55) * object.z;
-    if (!fits(object, 0, 0.05)) continue;
+    const double place = chance.between(0, 1);  // more of them near, where most of the floor is seen
+    object.z = 1 + object.radius() + 3.2 * place * place;
+    object.x = chance.between(-0.6, 0.6) * object.z;
+    // Nearer than the circles round them would let them stand: side by side, not one in the other.
+    if (!fits(object, 0, -0.3 * object.radius())) continue;
     std::vector<FloorRay> next = rays;
     size_t sum = 0;
     for (FloorRay& ray : next) {

@@ -24,9 +24,9 @@ Hollow make_hollow(Chance& chance, bool ditch) {
   h.far = ditch ? h.near + chance.between(0.5, 1.5) : Hollow::beyond;
   h.left = -Hollow::beyond;
   h.right = Hollow::beyond;
-  // A part of the way is the middle and some of one side or both.
+  // A part of the way is what lies straight ahead and some of one side or both.
   const int part = chance.below(4);
-  const double left = -chance.between(0.5, 1), right = chance.between(0.5, 1);
+  const double middle = h.near * std::tan(h.turn), left = middle - chance.between(0.5, 1), right = middle + chance.between(0.5, 1);
   if (part == 1 || part == 3) h.left = left;
   if (part == 2 || part == 3) h.right = right;
   return h;
@@ -63,7 +63,7 @@ Ground::Ground(const sim_section& parameters)
   }
   if (!peaks_ && rise_ < 0) crest_ = foot_;
   for (Wave& wave : waves_) {
-    const double direction = chance.between(0, 2 * M_PI), length = chance.between(0.5, 2);
+    const double direction = chance.between(0, 2 * M_PI), length = chance.between(0.8, 2.4);
     wave = {2 * M_PI / length * std::cos(direction), 2 * M_PI / length * std::sin(direction), chance.between(0, 2 * M_PI)};
   }
 }
@@ -107,7 +107,7 @@ bool Ground::whole(double x, double z, double radius) const {
 
 Mesh Ground::mesh() const {
   const Hollow& h = hollow_;
-  const double step = roughness_ > 0 ? reach_ / 250 : 0;
+  const double step = roughness_ > 0 ? (drives_ ? 0.07 : 0.04) : 0;
   const std::vector<double> across = lines(reach_, step, {h.left, h.left + wall, h.right - wall, h.right});
   const std::vector<double> ahead = lines(reach_, step, {foot_, crest_, h.near, h.near + wall, h.far - wall, h.far});
   const double c = std::cos(h.turn), s = std::sin(h.turn);
