@@ -159,7 +159,7 @@ class Renderer final : public Simulator {
     if (event == "cap") look.covered = 0;
     if (event == "blank") look.covered = 150;
     if (event == "dark") look.gain *= 0.02f;
-    if (event == "bright") look.gain *= 12;
+    if (event == "bright") look.gain *= 40;
   }
 
   void draw(const Look& look, const Rays& rays, uint8_t* image, size_t stride) noexcept {
