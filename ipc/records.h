@@ -91,10 +91,10 @@ struct TruthObject {
 
 /// Where the ground falls away before the rover, in the same frame.
 struct TruthDrop {
-  float depth;            ///< m; 0: nowhere
-  float across;           ///< m from the near edge to the far one; 0: it has none
-  float left_x, left_z;   ///< m, left end of the near edge, at most 20 m aside
-  float right_x, right_z; ///< m, its right end
+  float depth;             ///< m; 0: nowhere
+  float across;            ///< m from the near edge to the far one; 0: it has none
+  float left_x, left_z;    ///< m, left end of the near edge, at most 20 m aside
+  float right_x, right_z;  ///< m, its right end
 };
 
 /// What a cell of the map truly is, the values of `truth/map_cells`. The first that holds of: an obstacle higher than max_height stands

@@ -56,8 +56,8 @@ std::vector<FloorRay> floor_rays(const CameraPose& pose, const sim_section& para
   std::vector<FloorRay> rays;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      const Point ray = turned(pose.axes, {((i + 0.5) / columns - 0.5) * parameters.width / focal,
-                                           ((j + 0.5) / rows - 0.5) * parameters.height / focal, 1});
+      const Point ray = turned(
+          pose.axes, {((i + 0.5) / columns - 0.5) * parameters.width / focal, ((j + 0.5) / rows - 0.5) * parameters.height / focal, 1});
       const double reach = -pose.position.y / ray.y;
       if (ray.y > 0 && pose.position.z + reach * ray.z < floor_reach) rays.push_back({ray, reach, false});
     }
@@ -100,13 +100,14 @@ void Scene::build_overhangs(Chance& chance) {
     for (int attempt = 0; attempt < 200; ++attempt) {
       // A beam, or the top of a table.
       const double depth = chance.below(2) ? chance.between(0.15, 0.3) : chance.between(0.5, 0.9);
-      SceneObject beam = make(ObjectKind::beam, 0, chance.between(least_z, 4.3), chance.between(1, 2.2), depth, bottom + chance.between(0.1, 0.25),
-                              chance.between(-0.3, 0.3), chance.between(120, 170));
+      SceneObject beam = make(ObjectKind::beam, 0, chance.between(least_z, 4.3), chance.between(1, 2.2), depth,
+                              bottom + chance.between(0.1, 0.25), chance.between(-0.3, 0.3), chance.between(120, 170));
       beam.bottom = bottom;
       beam.x = chance.between(-0.35, 0.35) * beam.z;
-      const bool free = ground_.whole(beam.x, beam.z, beam.radius()) && std::none_of(objects_.begin(), objects_.end(), [&](const SceneObject& other) {
-        return std::hypot(other.x - beam.x, other.z - beam.z) < 0.7 * (other.radius() + beam.radius());
-      });
+      const bool free =
+          ground_.whole(beam.x, beam.z, beam.radius()) && std::none_of(objects_.begin(), objects_.end(), [&](const SceneObject& other) {
+            return std::hypot(other.x - beam.x, other.z - beam.z) < 0.7 * (other.radius() + beam.radius());
+          });
       if (free) return objects_.push_back(beam);
     }
   };

@@ -120,7 +120,8 @@ Mesh Ground::mesh() const {
   }
   const auto columns = static_cast<unsigned>(across.size());
   for (unsigned j = 0; j + 1 < ahead.size(); ++j) {
-    for (unsigned i = 0; i + 1 < columns; ++i) mesh.quad(j * columns + i, j * columns + i + 1, (j + 1) * columns + i + 1, (j + 1) * columns + i);
+    for (unsigned i = 0; i + 1 < columns; ++i)
+      mesh.quad(j * columns + i, j * columns + i + 1, (j + 1) * columns + i + 1, (j + 1) * columns + i);
   }
   return mesh;
 }

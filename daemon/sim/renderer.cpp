@@ -203,7 +203,8 @@ class Renderer final : public Simulator {
     depth_[pixel] = sky ? 0 : batch.t[i];
     number_[pixel] = sky ? TruthView::sky : object < 0 ? TruthView::ground : numbers_[static_cast<size_t>(object)];
     const double t = batch.t[i];
-    const double elevation = scene_.ground(pose.position.x + t * batch.dx[i], pose.position.z + t * batch.dz[i]) - (pose.position.y + t * batch.dy[i]);
+    const double elevation =
+        scene_.ground(pose.position.x + t * batch.dx[i], pose.position.z + t * batch.dz[i]) - (pose.position.y + t * batch.dy[i]);
     elevation_[pixel] = sky || object < 0 ? 0 : static_cast<float>(elevation);
   }
 

@@ -36,8 +36,9 @@ class TrueCells final : public TruthGrid {
     constexpr double step = 0.15;  // m: what drops less is no drop-off
     int in_view = 0, seen = 0, dropped = 0, under = 0;
     for (int i = 0; i < samples; ++i) {
-      const double x = (column + (i % side + 0.5) / side - columns() / 2.0) * config_.map.cell,
-                   z = (rows() - 1 - row + (i / side + 0.5) / side) * config_.map.cell;
+      // Up to the borders, so that an edge between two cells is in one of them.
+      const double x = (column + i % side / (side - 1.0) - columns() / 2.0) * config_.map.cell,
+                   z = (rows() - 1 - row + i / side / (side - 1.0)) * config_.map.cell;
       const Place place = simulator_.place(x, z);
       if (place.obstacle > config_.limit.max_height) return TruthCell::obstacle;
       under += place.overhang > 0;

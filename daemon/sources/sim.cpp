@@ -106,7 +106,8 @@ void require_size(const Config& config) {
 /// A rover that drives round would fall in.
 void require_way(const sim_section& sim) {
   if (sim.scene == "drive" && (sim.ground == "kerb" || sim.ground == "ditch"))
-    throw SourceError(78, "[sim] ground = " + sim.ground + " with scene = drive: the rover's way leads across it; use another scene, or ramp");
+    throw SourceError(78,
+                      "[sim] ground = " + sim.ground + " with scene = drive: the rover's way leads across it; use another scene, or ramp");
 }
 
 }  // namespace

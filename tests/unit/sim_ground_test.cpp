@@ -232,7 +232,7 @@ TEST(SimGround, the_rover_goes_where_the_truth_says) {
       EXPECT_NEAR(now.yaw_rad, 0, 1e-3);
     } else {
       // 0.5 m/s, along its own nose.
-      EXPECT_NEAR(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m), 0.05, 0.001);
+      EXPECT_NEAR(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m), 0.05, 0.002);  // the way is laid out to 3 mm
       EXPECT_NEAR(std::atan2(now.y_m - before.y_m, now.x_m - before.x_m), (now.yaw_rad + before.yaw_rad) / 2, 0.01);
       // What stands still is where it was: seen from the moved rover by its pose.
       for (uint32_t i = 0, j = 0; i < now.count && j < before.count; ++i, ++j) {
@@ -269,7 +269,8 @@ TEST(SimGround, events_begin_with_their_frame) {
     const auto before = look(2), after = look(3);
     EXPECT_GT(before[1], 15) << event;
     EXPECT_LT(after[1], 4) << event;
-    const std::map<std::string, std::pair<double, double>> mean{{"cap", {0, 2}}, {"dark", {0, 6}}, {"bright", {253, 255}}, {"blank", {149, 151}}};
+    const std::map<std::string, std::pair<double, double>> mean{
+        {"cap", {0, 2}}, {"dark", {0, 6}}, {"bright", {253, 255}}, {"blank", {149, 151}}};
     EXPECT_GE(after[0], mean.at(event).first) << event;
     EXPECT_LE(after[0], mean.at(event).second) << event;
   }
@@ -313,11 +314,17 @@ TEST(SimGround, cells_of_a_kerb_are_free_then_edge_then_hidden_then_below) {
     const double part = -drop.left_x / (drop.right_x - drop.left_x), edge = drop.left_z + part * (drop.right_z - drop.left_z);
     ASSERT_GT(drop.depth, 0.29f);
     EXPECT_EQ(drop.across, 0);
-    EXPECT_EQ(cell(cells, 0, edge), TruthCell::drop_off) << seed;
+    EXPECT_TRUE(cell(cells, 0, edge - 1e-3) == TruthCell::drop_off || cell(cells, 0, edge + 1e-3) == TruthCell::drop_off) << seed;
     for (double z = 1.2; z < edge - 0.15; z += 0.1) EXPECT_EQ(cell(cells, 0, z), TruthCell::free) << seed << " " << z;
+    const double lowest_look = config.sim.pitch + std::atan(120 / (0.9 * 320));
+    const double out_of_view = (config.sim.cameraHeight + drop.depth) / std::tan(lowest_look) + 0.05;
     // The line of sight over the edge meets the lower level there.
     const double seen_again = edge * (config.sim.cameraHeight + drop.depth) / config.sim.cameraHeight;
-    for (double z = edge + 0.15; z < std::min(5.0, seen_again - 0.15); z += 0.1) EXPECT_EQ(cell(cells, 0, z), TruthCell::hidden) << z;
+    for (double z = edge + 0.15; z < std::min(5.0, seen_again - 0.15); z += 0.1) {
+      // A deep bottom at one's feet is below the picture.
+      const TruthCell kind = cell(cells, 0, z);
+      EXPECT_TRUE(kind == TruthCell::hidden || (z < out_of_view && kind == TruthCell::outside)) << seed << " " << z;
+    }
     for (double z = seen_again + 0.2; z < 4.9; z += 0.1) EXPECT_EQ(cell(cells, 0, z), TruthCell::below) << seed << " " << z;
   }
 }
