@@ -10,6 +10,7 @@ namespace vdisp::sim {
 namespace {
 
 constexpr double listed_range = 12;  // m ahead, of the truth's list
+constexpr double found = 1e-5;       // m, from the ground searched for
 constexpr double speed = 0.5;        // m/s, of the rover in `drive`
 
 Axes axes_of(const Point& right, const Point& down, const Point& ahead) {
@@ -129,7 +130,9 @@ Place Scene::place(const CameraPose& pose, double x, double z) const {
   for (int step = 0; step < 12; ++step) {
     world = turned(pose.level, {x, down, z});
     world = {world.x + pose.position.x, world.y + pose.position.y, world.z + pose.position.z};
-    down += (ground(world.x, world.z) - world.y) / pose.level[4];
+    const double over = ground(world.x, world.z) - world.y;
+    if (std::abs(over) < found) break;
+    down += over / pose.level[4];
   }
   place.down = down;
   place.drop = ground_.drop(world.x, world.z);
@@ -149,6 +152,7 @@ double Scene::ground_below(const CameraPose& pose, double depth) const {
   for (int step = 0; step < 24; ++step) {
     const Point world = turned(pose.axes, {0, below, depth});
     const double over = ground(world.x + pose.position.x, world.z + pose.position.z) - world.y - pose.position.y;
+    if (std::abs(over) < found) break;
     below += over / pose.axes[4];
   }
   return below;

@@ -17,7 +17,7 @@ class TrueHeight final : public TruthStage {
       const size_t first = static_cast<size_t>(v) * truth.width;
       int16_t* row = out.row<int16_t>(v);
       for (int u = 0; u < truth.width; ++u)
-        row[u] = truth.depth[first + u] > 0 ? saturated(1000 * static_cast<double>(truth.elevation[first + u])) : INT16_MIN;
+        row[u] = truth.depth[first + u] > 0 ? saturated(1000 * static_cast<double>(truth.elevation[first + u])) : height_unknown;
     }
   }
 };

@@ -55,7 +55,7 @@ class TrueFloor final : public TruthStage {
     for (int column = 0; column < out.spec.width; ++column) {
       const double d = column / 16.0 + config_.image_source.minDisparity - view_.cx_offset;
       if (truth.plane_count == 0) {
-        row[column] = d > 0 ? saturated(simulator_.ground_row(view_.f * view_.baseline / d)) : INT16_MIN;
+        row[column] = d > 0 ? saturated(simulator_.ground_row(view_.f * view_.baseline / d)) : line_none;
         continue;
       }
       const double a = level.row(d), b = slope.row(d);

@@ -23,6 +23,7 @@ KINDS = {
     "slope": ({"sim.slope": spread(-15, 15)}, 4, "slope -15 to 15 deg from 1 m ahead on"),
     "ramp": ({"sim.ground": "ramp", "sim.slope": spread(-15, 15)}, 4, "the same from 1.5 to 3 m ahead on"),
     "crest": ({"sim.ground": "crest", "sim.slope": spread(3, 15)}, 4, "up and down again by 3 to 15 deg"),
+    "brow": ({"sim.ground": "ramp", "sim.slope": spread(-28, -10)}, 4, "falls by 10 to 28 deg, far side seen or not"),
     "rough": ({"sim.roughness": 0.05}, 4, "bumps of 5 cm"),
     "crowded": ({"sim.scene": "crowded"}, 4, "70 % of the floor covered"),
     "texture": ({"sim.texture": 0.3}, 4, "contrast of all textures 0.3"),
@@ -82,7 +83,7 @@ def look_at_kind(frame):
     grid = occupancy(frame)
     if grid is not None:
         found, free = grid >= OCCUPIED, (grid >= 0) & (grid <= EMPTY)
-        look["occupancy"] = compare_found(found, not frame.valid("occupancy"), found * 3, truth, truth.in_the_way | drop)
+        look["occupancy"] = compare_found(found, bool((grid < 0).all()), found * 3, truth, truth.in_the_way | drop)
         look["occupancy"]["edge"] = look_at_edge(found, truth)
         # One cell of tolerance: what is not free there, nor anywhere beside it.
         barred = all_near(np.isin(truth.kind, (OBSTACLE, DROP_OFF, HIDDEN, BELOW)))
