@@ -99,7 +99,8 @@ struct TruthDrop {
 
 /// What a cell of the map truly is, the values of `truth/map_cells`. The first that holds of: an obstacle higher than max_height stands
 /// or hangs lower than 1 m over a part of it; an edge goes through it; its ground is outside the picture; less than a fifth of its
-/// ground is seen; something hangs over it at 1 m or more; it is the bottom of a drop-off.
+/// ground is seen, or all of it takes less than a quarter of a row; something hangs over it at 1 m or more; it is the bottom of a
+/// drop-off.
 enum class TruthCell : uint8_t { outside = 0, free = 1, obstacle = 2, drop_off = 3, overhang = 4, hidden = 5, below = 6 };
 
 /// The simulator's truth for one frame, topic `truth/scene`. Objects are numbered from 1 as in `truth/object`.

@@ -202,10 +202,10 @@ class Renderer final : public Simulator {
     const int object = batch.object[i];
     depth_[pixel] = sky ? 0 : batch.t[i];
     number_[pixel] = sky ? TruthView::sky : object < 0 ? TruthView::ground : numbers_[static_cast<size_t>(object)];
-    const double t = batch.t[i];
-    const double elevation =
-        scene_.ground(pose.position.x + t * batch.dx[i], pose.position.z + t * batch.dz[i]) - (pose.position.y + t * batch.dy[i]);
-    elevation_[pixel] = sky || object < 0 ? 0 : static_cast<float>(elevation);
+    elevation_[pixel] = 0;
+    if (sky || object < 0) return;
+    const double t = batch.t[i], x = pose.position.x + t * batch.dx[i], z = pose.position.z + t * batch.dz[i];
+    elevation_[pixel] = static_cast<float>(scene_.ground(x, z) - (pose.position.y + t * batch.dy[i]));
   }
 
   sim_section parameters_;

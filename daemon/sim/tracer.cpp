@@ -92,6 +92,7 @@ std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
     for (const Corners& corners : boxes_around(o, ground)) shapes->corners.push_back(corners);
   }
   if (scene.terrain().meshed()) {
+    rtcSetSceneFlags(shapes->scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips through between two triangles
     shapes->ground = static_cast<int32_t>(scene.objects().size());
     if (!shapes->add(scene.terrain().mesh(), static_cast<unsigned>(shapes->ground))) return nullptr;
   }

@@ -33,7 +33,8 @@ class TrueCells final : public TruthGrid {
 
   TruthCell judge(const TruthView& truth, int row, int column) const noexcept {
     constexpr int side = 5, samples = side * side;
-    constexpr double step = 0.15;  // m: what drops less is no drop-off
+    constexpr double step = 0.15;        // m: what drops less is no drop-off
+    constexpr double least_rows = 0.25;  // level ground has more, 5 m ahead of the smallest picture
     int in_view = 0, seen = 0, dropped = 0, under = 0;
     for (int i = 0; i < samples; ++i) {
       // Up to the borders, so that an edge between two cells is in one of them.
@@ -49,8 +50,18 @@ class TrueCells final : public TruthGrid {
     }
     if (dropped > 0 && dropped < samples) return TruthCell::drop_off;
     if (in_view == 0) return TruthCell::outside;
-    if (5 * seen < samples) return TruthCell::hidden;
+    if (5 * seen < samples || rows_of(truth, row, column) < least_rows) return TruthCell::hidden;
     return under > 0 ? TruthCell::overhang : dropped > 0 ? TruthCell::below : TruthCell::free;
+  }
+
+  /// How many rows of the picture its ground takes, where nothing is before it; ground that falls away as the look does takes none.
+  double rows_of(const TruthView& truth, int row, int column) const noexcept {
+    const double x = (column + 0.5 - columns() / 2.0) * config_.map.cell, z = (rows() - 1 - row) * config_.map.cell;
+    const auto v = [&](double ahead) {
+      const Point c = camera({x, simulator_.place(x, ahead).down, ahead}, truth.scene.pitch_rad, truth.scene.roll_rad);
+      return view_.cy + view_.f * c.y / std::max(c.z, 0.05);
+    };
+    return v(z) - v(z + config_.map.cell);
   }
 
   enum class Sight { outside, hidden, seen };
