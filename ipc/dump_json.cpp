@@ -71,11 +71,15 @@ ordered_json floor_json(const Image& image) {
 }
 
 ordered_json scene_json(const TruthScene& scene) {
-  static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock"};
+  static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock", "beam"};
   ordered_json json{{"pitch_rad", number(scene.pitch_rad)},
                     {"roll_rad", number(scene.roll_rad)},
                     {"height_m", number(scene.height_m)},
                     {"slope_rad", number(scene.slope_rad)},
+                    {"rover", {{"x_m", number(scene.x_m)}, {"y_m", number(scene.y_m)}, {"yaw_rad", number(scene.yaw_rad)}}},
+                    {"foot_m", number(scene.foot_m)},
+                    {"crest_m", number(scene.crest_m)},
+                    {"drop", nullptr},
                     {"objects", ordered_json::array()}};
   for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
     const TruthObject& object = scene.objects[i];
@@ -88,8 +92,15 @@ ordered_json scene_json(const TruthScene& scene) {
                                {"width", number(object.width)},
                                {"depth", number(object.depth)},
                                {"height", number(object.height)},
-                               {"yaw", number(object.yaw)}});
+                               {"yaw", number(object.yaw)},
+                               {"base", number(object.base)},
+                               {"bottom", number(object.bottom)}});
   }
+  if (const TruthDrop& drop = scene.drop; drop.depth > 0)
+    json["drop"] = {{"depth", number(drop.depth)},
+                    {"across", number(drop.across)},
+                    {"left", {number(drop.left_x), number(drop.left_z)}},
+                    {"right", {number(drop.right_x), number(drop.right_z)}}};
   return json;
 }
 

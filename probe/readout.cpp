@@ -105,10 +105,12 @@ std::vector<std::string> floor_text(const FloorModel& floor) {
 
 std::vector<std::string> scene_text(const TruthScene& scene) {
   constexpr double degrees = 180 / M_PI;
-  static constexpr const char* kinds[] = {"?", "box", "post", "wall", "rock"};
+  static constexpr const char* kinds[] = {"?", "box", "post", "wall", "rock", "beam"};
   std::vector<std::string> lines{
       "pitch       " + or_dash("%.2f deg", scene.pitch_rad, degrees), "roll        " + or_dash("%.2f deg", scene.roll_rad, degrees),
-      "height      " + or_dash("%.3f m", scene.height_m), "slope       " + or_dash("%.2f deg", scene.slope_rad, degrees)};
+      "height      " + or_dash("%.3f m", scene.height_m), "slope       " + or_dash("%.2f deg", scene.slope_rad, degrees),
+      format("rover       x %+.2f m  y %+.2f m  yaw %+.1f deg", scene.x_m, scene.y_m, scene.yaw_rad * degrees)};
+  if (scene.drop.depth > 0) lines.push_back(format("drop        %.2f m", static_cast<double>(scene.drop.depth)));
   for (uint32_t i = 0; i < std::min(scene.count, TruthScene::capacity); ++i) {
     const TruthObject& object = scene.objects[i];
     const auto kind = static_cast<uint32_t>(object.kind);

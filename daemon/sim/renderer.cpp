@@ -23,7 +23,7 @@ ObjectTable tabulate(const Scene& scene, const sim_section& parameters, uint32_t
   for (const SceneObject& o : scene.objects()) {
     const auto index = static_cast<uint32_t>(table.x.size());
     table.x.push_back(static_cast<float>(o.x));
-    table.y.push_back(static_cast<float>(scene.ground(o.z)));
+    table.y.push_back(static_cast<float>(scene.ground(o.x, o.z)));
     table.z.push_back(static_cast<float>(o.z));
     table.cos_yaw.push_back(static_cast<float>(std::cos(o.yaw)));
     table.sin_yaw.push_back(static_cast<float>(std::sin(o.yaw)));
@@ -48,9 +48,14 @@ GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textu
   light.cells_per_m = static_cast<float>(1 / cell);
   std::vector<uint8_t> lit(static_cast<size_t>(side) * side), packed(lit.size());
   std::vector<Point> row(side);
+  // Triangles lie up to 3 mm beside the ground that they stand for.
+  const double above = scene.terrain().meshed() ? 0.01 : 0.002;
   for (int j = 0; j < side; ++j) {
     const double z = scene.middle_z() - half + (j + 0.5) * cell;
-    for (int i = 0; i < side; ++i) row[i] = {scene.middle_x() - half + (i + 0.5) * cell, scene.ground(z) - 0.002, z};
+    for (int i = 0; i < side; ++i) {
+      const double x = scene.middle_x() - half + (i + 0.5) * cell;
+      row[i] = {x, scene.ground(x, z) - above, z};
+    }
     tracer.light(row.data(), side, to_sun, &lit[static_cast<size_t>(j) * side]);
   }
   const uint32_t* dirt = textures.texels.data() + static_cast<int>(Surface::stone) * Textures::words + Textures::level_start(3);
@@ -107,6 +112,7 @@ class Renderer final : public Simulator {
     for (uint32_t side = 0; side < 2; ++side) {
       Look look = looking(pose, side == 0 ? 0 : calibration_.view.baseline);
       look.gain = side == 0 ? 1.0f : static_cast<float>(parameters_.gain);
+      apply_event(frame, look);
       look.noise_seed = scramble(static_cast<uint32_t>(frame) * 2 + side + scramble(seed_ + static_cast<uint32_t>(frame >> 31)));
       draw(look, rays_[side], reinterpret_cast<uint8_t*>(side == 0 ? left : right), stride);
     }
@@ -118,6 +124,12 @@ class Renderer final : public Simulator {
     return truth_;
   }
 
+  Place place(double x, double z) const noexcept override { return scene_.place(pose_, x, z); }
+
+  double ground_row(double depth) const noexcept override {
+    return calibration_.view.cy + calibration_.view.f * scene_.ground_below(pose_, depth) / depth;
+  }
+
  private:
   Look looking(const CameraPose& pose, double offset) const {
     Look look{};
@@ -125,8 +137,9 @@ class Renderer final : public Simulator {
     look.x = static_cast<float>(pose.position.x + pose.axes[0] * offset);
     look.y = static_cast<float>(pose.position.y + pose.axes[3] * offset);
     look.z = static_cast<float>(pose.position.z + pose.axes[6] * offset);
-    look.rise = static_cast<float>(scene_.rise());
-    look.slope_start = scene_.rise() != 0 ? static_cast<float>(Scene::slope_start) : far_away;
+    look.rise = static_cast<float>(scene_.terrain().rise());
+    look.slope_start = scene_.terrain().rise() != 0 ? static_cast<float>(Ground::slope_start) : far_away;
+    look.meshed = scene_.terrain().meshed();
     look.pixel = static_cast<float>(1 / calibration_.view.f);
     look.sun_x = static_cast<float>(to_sun.x);
     look.sun_y = static_cast<float>(to_sun.y);
@@ -139,6 +152,16 @@ class Renderer final : public Simulator {
     return look;
   }
 
+  void apply_event(uint64_t frame, Look& look) const {
+    look.covered = -1;
+    const std::string& event = parameters_.event;
+    if (event == "none" || frame < static_cast<uint64_t>(parameters_.eventFrame)) return;
+    if (event == "cap") look.covered = 0;
+    if (event == "blank") look.covered = 150;
+    if (event == "dark") look.gain *= 0.02f;
+    if (event == "bright") look.gain *= 40;
+  }
+
   void draw(const Look& look, const Rays& rays, uint8_t* image, size_t stride) noexcept {
     tracer_->mark(look, rays, marks_);
     for (int tile = 0; tile < rays.tiles(); ++tile) {
@@ -148,6 +171,7 @@ class Renderer final : public Simulator {
       shader_.aim(look, &rays.x[first], &rays.y[first], batch_);
       if (objects) tracer_->trace(*draw_, look, batch_);
       shader_.colour(look, objects, batch_);
+      if (look.covered >= 0) std::fill(std::begin(batch_.gray), std::end(batch_.gray), look.covered);
       alignas(64) uint8_t pixels[Rays::tile_pixels];
       shader_.expose(look, batch_, static_cast<uint32_t>(v) * 2048 + static_cast<uint32_t>(u), 2048, pixels);
       const int columns = std::min(Rays::tile_width, rays.width - u), rows = std::min(Rays::tile_height, rays.height - v);
@@ -157,7 +181,7 @@ class Renderer final : public Simulator {
   }
 
   void measure(uint64_t frame) noexcept {
-    const CameraPose pose = scene_.pose(frame);
+    const CameraPose pose = pose_ = scene_.pose(frame);
     const Look look = looking(pose, 0);
     scene_.describe(pose, truth_, numbers_);
     tracer_->mark(look, ideal_, truth_marks_);
@@ -178,9 +202,10 @@ class Renderer final : public Simulator {
     const int object = batch.object[i];
     depth_[pixel] = sky ? 0 : batch.t[i];
     number_[pixel] = sky ? TruthView::sky : object < 0 ? TruthView::ground : numbers_[static_cast<size_t>(object)];
-    const double t = batch.t[i];
-    const double elevation = scene_.ground(pose.position.z + t * batch.dz[i]) - (pose.position.y + t * batch.dy[i]);
-    elevation_[pixel] = sky || object < 0 ? 0 : static_cast<float>(elevation);
+    elevation_[pixel] = 0;
+    if (sky || object < 0) return;
+    const double t = batch.t[i], x = pose.position.x + t * batch.dx[i], z = pose.position.z + t * batch.dz[i];
+    elevation_[pixel] = static_cast<float>(scene_.ground(x, z) - (pose.position.y + t * batch.dy[i]));
   }
 
   sim_section parameters_;
@@ -199,6 +224,7 @@ class Renderer final : public Simulator {
   std::vector<uint8_t> marks_, truth_marks_;
   Batch batch_{}, truth_batch_{};
   uint64_t truth_frame_ = UINT64_MAX;
+  CameraPose pose_{};  ///< of truth_frame_
   TruthView truth_;
   std::vector<float> depth_, elevation_;
   std::vector<uint8_t> number_, numbers_;

@@ -9,6 +9,7 @@
 #include "config/config.h"
 #include "daemon/geometry/frames.h"
 #include "daemon/sim/chance.h"
+#include "daemon/sim/ground.h"
 #include "daemon/sim/simulator.h"
 #include "ipc/records.h"
 
@@ -23,6 +24,7 @@ struct SceneObject {
   bool textured = true;
   double x = 0, z = 0;  ///< m, centre of the footprint
   double width = 0, depth = 0, height = 0, yaw = 0;
+  double bottom = 0;  ///< m over the ground, of what hangs there; 0: it stands on the ground
   Surface surface = Surface::planks;
   double brightness = 110;  ///< grey level in full light
   double radius() const;    ///< of the circle round the footprint
@@ -38,6 +40,8 @@ struct CameraPose {
   Axes axes;       ///< of the left rectified camera
   Axes level;      ///< of its frame h, which is level with the ground below it
   double heading;  ///< of the view
+  double way;      ///< heading of the rover
+  Point foot;      ///< where the rover stands: the ground below the camera
   bool climbs;     ///< stands on the slope
 };
 
@@ -47,11 +51,13 @@ class Scene {
 
   const std::vector<SceneObject>& objects() const { return objects_; }
   CameraPose pose(uint64_t frame) const;
-  /// Rise of the slope per metre; it begins at z = slope_start.
-  double rise() const { return rise_; }
-  static constexpr double slope_start = 1;
+  const Ground& terrain() const { return ground_; }
   /// World y of the ground.
-  double ground(double z) const { return z > slope_start ? -rise_ * (z - slope_start) : 0; }
+  double ground(double x, double z) const { return -ground_.height(x, z); }
+  /// What is at a place of the ground, in frame h of the pose.
+  Place place(const CameraPose& pose, double x, double z) const;
+  /// m along the camera's y axis from its optical axis, `depth` m ahead of it, down to the ground.
+  double ground_below(const CameraPose& pose, double depth) const;
 
   /// Middle and half the side of the square that is worth drawing with care.
   double middle_x() const { return middle_x_; }
@@ -66,18 +72,24 @@ class Scene {
     double x, z, heading;
   };
   Station station(uint64_t frame) const;
+  double pitch(uint64_t frame) const;
+  Point footing(const Station& at) const;
   Station along(double length) const;
   double clearance(double x, double z) const;
   void lay_path();
   void build_yard(Chance& chance);
   void build_flat(Chance& chance);
   void build_five();
+  void build_crowd(Chance& chance);
+  void build_overhangs(Chance& chance);
   bool fits(const SceneObject& object, double path_gap, double gap) const;
   bool hides(const SceneObject& object) const;
   GroundPlane plane(const CameraPose& pose, double rise) const;
+  void describe_ground(const CameraPose& pose, TruthScene& scene) const;
 
   sim_section parameters_;
-  double rise_ = 0, middle_x_ = 0, middle_z_ = 6, extent_ = 12;
+  Ground ground_;
+  double middle_x_ = 0, middle_z_ = 6, extent_ = 12;
   bool drives_ = false;
   std::vector<SceneObject> objects_;
   std::vector<Station> path_;  ///< a closed way, a station every path_step_

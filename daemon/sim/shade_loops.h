@@ -84,13 +84,14 @@ ALWAYS F hazy(F gray, F distance) {
   return gray + (haze_brightness - gray) * (squared / (1.0f + squared));
 }
 
-ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
+/// x and z: the place; u and v: where that is on the texture.
+ALWAYS F ground_gray(const Look& look, F x, F z, F u_fine, F v_fine, F t, F grazing) {
   // Along the view the ground is foreshortened by 1 / grazing: a compromise between blur across and shimmer along.
   const F width = t * (look.pixel * fine_texels_per_m), squared = width * width;
   const F level = 0.25f * rough_log2(squared * squared / grazing);
-  const F fine = sample(look.texels, I{}, x * fine_texels_per_m, z * fine_texels_per_m, level);
+  const F fine = sample(look.texels, I{}, u_fine * fine_texels_per_m, v_fine * fine_texels_per_m, level);
   // Turned, so that the repetition of the one falls between that of the other.
-  const F u = 0.83f * x + 0.55f * z, v = 0.83f * z - 0.55f * x;
+  const F u = 0.83f * u_fine + 0.55f * v_fine, v = 0.83f * v_fine - 0.55f * u_fine;
   const F coarse = sample_roughly(look.texels, I{}, u * coarse_texels_per_m, v * coarse_texels_per_m, level - 1.95f);
   const GroundLight& light = *look.light;
   const float most = static_cast<float>(GroundLight::side) - 1.01f;
@@ -100,6 +101,23 @@ ALWAYS F ground_gray(const Look& look, F x, F z, F t, F grazing) {
       blend(gather(light.packed.data(), (lv >> 7) * GroundLight::side + (lu >> 7)), lu & 127, lv & 127) * (1 / (255.0f * 127 * 127));
   const F shade = 1.0f - (look.contrast < 1 ? look.contrast : 1) * (1.0f - lit);
   return ground_brightness * shade * (1.0f + look.contrast * (0.75f * fine + 0.55f * coarse));
+}
+
+/// Ground that has a mesh: steep parts carry their texture upright, and turn towards the sun or from it.
+ALWAYS F meshed_gray(const Look& look, const Batch& batch, int i, F t) {
+  const F dx = load(batch.dx + i), dy = load(batch.dy + i), dz = load(batch.dz + i);
+  F nx = load(batch.nx + i), ny = load(batch.ny + i), nz = load(batch.nz + i);
+  const F inverse = inverse_root(greater(nx * nx + ny * ny + nz * nz, all(1e-20f))), up = ny > 0.0f ? -inverse : inverse;
+  nx *= up;
+  ny *= up;
+  nz *= up;
+  const F x = look.x + t * dx, y = look.y + t * dy, z = look.z + t * dz;
+  const F aside = inverse_root(greater(nx * nx + nz * nz, all(1e-12f)));
+  const I steep = ny > -0.7f;
+  const F u = steep ? (x * nz - z * nx) * aside : x, v = steep ? y : z;
+  const F grazing = within(size_of(nx * dx + ny * dy + nz * dz), 0.01f, 1);
+  const F sun = greater(nx * look.sun_x + ny * look.sun_y + nz * look.sun_z, F{});
+  return ground_gray(look, x, z, u, v, t, grazing) * (0.5f + 0.5f * sun) * (1.0f / (0.5f + 0.5f * size_of(all(look.sun_y))));
 }
 
 ALWAYS F sky_gray(const Look& look, F dx, F dy, F dz) {
@@ -139,7 +157,9 @@ void draw_background(const Look& look, Batch& batch) {
     if (any(ground)) {
       const F reach = ground ? t : all(1);
       const F grazing = within(size_of(dy + look.rise * dz), 0.01f, 1);
-      gray = ground ? hazy(ground_gray(look, look.x + reach * dx, look.z + reach * dz, reach, grazing), reach) : gray;
+      const F x = look.x + reach * dx, z = look.z + reach * dz;
+      const F bare = look.meshed ? meshed_gray(look, batch, i, reach) : ground_gray(look, x, z, x, z, reach, grazing);
+      gray = ground ? hazy(bare, reach) : gray;
     }
     store(batch.gray + i, gray);
   }

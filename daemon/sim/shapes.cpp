@@ -18,17 +18,21 @@ Point placed(const SceneObject& o, double ground, double along, double up, doubl
   return {o.x + c * along - s * aside, ground - up, o.z + s * along + c * aside};
 }
 
+/// Where the lowest part of a box lies, over the ground.
+double lowest(const SceneObject& o) { return o.bottom > 0 ? o.bottom : -sunk; }
+
 void add(Mesh& mesh, const Point& p) { mesh.vertex(p.x, p.y, p.z); }
 
 Mesh box(const SceneObject& o, double ground) {
   Mesh mesh;
   for (unsigned k = 0; k < 8; ++k)
-    add(mesh, placed(o, ground, (k & 1 ? 0.5 : -0.5) * o.width, k & 2 ? o.height : -sunk, (k & 4 ? 0.5 : -0.5) * o.depth));
+    add(mesh, placed(o, ground, (k & 1 ? 0.5 : -0.5) * o.width, k & 2 ? o.height : lowest(o), (k & 4 ? 0.5 : -0.5) * o.depth));
   mesh.quad(0, 1, 3, 2);
   mesh.quad(4, 6, 7, 5);
   mesh.quad(0, 2, 6, 4);
   mesh.quad(1, 5, 7, 3);
   mesh.quad(2, 3, 7, 6);
+  if (o.bottom > 0) mesh.quad(0, 4, 5, 1);
   return mesh;
 }
 
@@ -99,7 +103,7 @@ std::vector<Corners> boxes_around(const SceneObject& o, double ground) {
   for (int part = 0; part < parts; ++part) {
     for (unsigned k = 0; k < 8; ++k) {
       const double along = (static_cast<double>(part + (k & 1 ? 1 : 0)) / parts - 0.5) * o.width;
-      boxes[static_cast<size_t>(part)][k] = placed(o, ground, along, k & 2 ? o.height : -sunk, (k & 4 ? 0.5 : -0.5) * o.depth);
+      boxes[static_cast<size_t>(part)][k] = placed(o, ground, along, k & 2 ? o.height : lowest(o), (k & 4 ? 0.5 : -0.5) * o.depth);
     }
   }
   return boxes;

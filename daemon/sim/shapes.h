@@ -5,22 +5,10 @@
 #include <array>
 #include <vector>
 
+#include "daemon/sim/ground.h"
 #include "daemon/sim/scene.h"
 
 namespace vdisp::sim {
-
-struct Mesh {
-  std::vector<float> vertices;
-  std::vector<unsigned> triangles;
-  void vertex(double x, double y, double z) {
-    for (double value : {x, y, z}) vertices.push_back(static_cast<float>(value));
-  }
-  void triangle(unsigned a, unsigned b, unsigned c) { triangles.insert(triangles.end(), {a, b, c}); }
-  void quad(unsigned a, unsigned b, unsigned c, unsigned d) {
-    triangle(a, b, c);
-    triangle(a, c, d);
-  }
-};
 
 /// The surface of an object, of which `seed` gives a rock its bumps. `ground` is the world's y where it stands.
 Mesh shape(const SceneObject& object, double ground, uint32_t seed);

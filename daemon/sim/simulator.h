@@ -27,8 +27,19 @@ struct TruthView {
   std::span<const uint8_t> object;   ///< number in `scene` from 1; ground, sky, or unlisted: an object beyond its range or capacity
   TruthScene scene{};
   std::array<GroundPlane, 2> planes{};  ///< below the start, and the slope
-  int plane_count = 1;                  ///< 1 where the ground is flat
+  int plane_count = 1;                  ///< 1 where the ground is flat, 0 where it is no planes
   bool rising = false;                  ///< the slope rises: the ground is the higher of both planes, else the lower
+};
+
+/// What hangs at least so high, m, is not in the way of any rover; the scenes have nothing at heights about this.
+inline constexpr double overhang_clearance = 1;
+
+/// What is at one place of the ground.
+struct Place {
+  double down;      ///< m, the ground there below the camera, in frame h
+  double drop;      ///< m that it lies lower than it did before it fell away
+  double obstacle;  ///< m over the ground, top of the tallest that stands or hangs in the way; 0: nothing does
+  double overhang;  ///< m over the ground, bottom of the lowest that hangs higher than overhang_clearance; 0: nothing does
 };
 
 /// Everything depends on the parameters and the frame's number only: the same frame has the same bytes.
@@ -45,6 +56,10 @@ class Simulator {
   virtual void render(uint64_t frame, std::byte* left, std::byte* right, size_t stride) noexcept = 0;
   /// Valid until the next call, which is cheap for the same frame. One call at a time.
   virtual const TruthView& truth(uint64_t frame) noexcept = 0;
+  /// What is x m to the right and z m ahead in frame h of the frame that truth() was asked for last.
+  virtual Place place(double x, double z) const noexcept = 0;
+  /// Row of the ground `depth` m along the view in the column through the optical centre, of the same frame; it may lie outside.
+  virtual double ground_row(double depth) const noexcept = 0;
 };
 
 /// From frame to frame, ns; without a rate 1/30 s.

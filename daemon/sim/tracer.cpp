@@ -47,9 +47,25 @@ struct Tracer::Shapes {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<Corners> corners;
+  int32_t ground = -1;  ///< number of the ground's mesh, behind those of the objects; -1: it has none
   ~Shapes() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
+  }
+  /// False: no memory.
+  bool add(const Mesh& mesh, unsigned index) const {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size() / 3);
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size() / 3);
+    const bool fits = vertices && triangles;
+    if (fits) {
+      std::copy(mesh.vertices.begin(), mesh.vertices.end(), static_cast<float*>(vertices));
+      std::copy(mesh.triangles.begin(), mesh.triangles.end(), static_cast<unsigned*>(triangles));
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometryByID(scene, geometry, index);
+    }
+    rtcReleaseGeometry(geometry);
+    return fits;
   }
 };
 
@@ -70,19 +86,15 @@ std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
   shapes->scene = rtcNewScene(shapes->device);
   rtcSetSceneBuildQuality(shapes->scene, RTC_BUILD_QUALITY_HIGH);
   for (const SceneObject& o : scene.objects()) {
-    const double ground = scene.ground(o.z);
+    const double ground = scene.ground(o.x, o.z);
     const auto index = static_cast<unsigned>(&o - scene.objects().data());
-    const Mesh mesh = shape(o, ground, scramble(seed * 977 + index));
-    RTCGeometry geometry = rtcNewGeometry(shapes->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertices.size() / 3);
-    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size() / 3);
-    if (!vertices || !triangles) return nullptr;
-    std::copy(mesh.vertices.begin(), mesh.vertices.end(), static_cast<float*>(vertices));
-    std::copy(mesh.triangles.begin(), mesh.triangles.end(), static_cast<unsigned*>(triangles));
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(shapes->scene, geometry, index);
-    rtcReleaseGeometry(geometry);
+    if (!shapes->add(shape(o, ground, scramble(seed * 977 + index)), index)) return nullptr;
     for (const Corners& corners : boxes_around(o, ground)) shapes->corners.push_back(corners);
+  }
+  if (scene.terrain().meshed()) {
+    rtcSetSceneFlags(shapes->scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips through between two triangles
+    shapes->ground = static_cast<int32_t>(scene.objects().size());
+    if (!shapes->add(scene.terrain().mesh(), static_cast<unsigned>(shapes->ground))) return nullptr;
   }
   rtcCommitScene(shapes->scene);
   if (rtcGetDeviceError(shapes->device) != RTC_ERROR_NONE) return nullptr;
@@ -108,14 +120,20 @@ void Tracer::trace(Probe& probe, const Look& look, Batch& batch) const noexcept 
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  // What aim() takes for the ground is none where the ground has a mesh.
+  if (shapes_->ground >= 0) std::fill(std::begin(batch.t), std::end(batch.t), far_away);
   rtcIntersectNp(shapes_->scene, &context, &rays, Batch::size);
+  if (shapes_->ground < 0) return;
+  for (int32_t& object : batch.object)
+    if (object == shapes_->ground) object = -1;
 }
 
 void Tracer::mark(const Look& look, const Rays& rays, std::vector<uint8_t>& marks) const noexcept {
   const auto meet = [](const Rays::Bounds& a, const Rays::Bounds& b) {
     return (a.x0 <= b.x1) & (a.x1 >= b.x0) & (a.y0 <= b.y1) & (a.y1 >= b.y0);
   };
-  std::fill(marks.begin(), marks.end(), uint8_t{0});
+  std::fill(marks.begin(), marks.end(), static_cast<uint8_t>(shapes_->ground >= 0));
+  if (shapes_->ground >= 0) return;
   for (const Corners& corners : shapes_->corners) {
     Rays::Bounds seen;
     if (!outline(look, corners, seen)) continue;

@@ -25,7 +25,7 @@ class Tracer {
   };
   std::unique_ptr<Probe, EraseProbe> make_probe() const;
 
-  /// Replaces t, object and normal of the rays that hit an object nearer than t.
+  /// Replaces t, object and normal of the rays that hit an object nearer than t. Ground that has a mesh is hit as well, as no object.
   void trace(Probe& probe, const Look& look, Batch& batch) const noexcept;
   /// Marks the tiles that an object may be seen in.
   void mark(const Look& look, const Rays& rays, std::vector<uint8_t>& marks) const noexcept;

@@ -6,43 +6,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "daemon/sim/truth_stage.h"
+
 namespace vdisp::sim {
 namespace {
-
-/// One image from the simulator's view of the frame that the input was made in.
-class TruthStage : public ImageProcessor {
- public:
-  TruthStage(Simulator& simulator, const Config& config) : config_(config), view_(simulator.calibration().view), simulator_(simulator) {}
-
-  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override {
-    if (in.size() != 1) throw FormatError("takes one image, was given " + std::to_string(in.size()));
-    require(in[0], Pixel::gray8, "the camera image");
-    return {make(in[0])};
-  }
-  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override {
-    const int64_t period = frame_period_ns(config_.sim);
-    fill(simulator_.truth(static_cast<uint64_t>((in[0]->timestamp_ns + period / 2) / period)), *out[0]);
-    return Outcome::valid;
-  }
-
- protected:
-  virtual ImageSpec make(const ImageSpec& camera) const = 0;
-  virtual void fill(const TruthView& truth, Image& out) const noexcept = 0;
-  /// The rectified view that the truth is of.
-  CameraGeometry geometry() const {
-    return {static_cast<float>(view_.f),         static_cast<float>(view_.cx),
-            static_cast<float>(view_.cy),        static_cast<float>(view_.baseline),
-            static_cast<float>(view_.cx_offset), config_.image_source.minDisparity,
-            config_.image_source.ndisp,          {}};
-  }
-  const Config& config_;
-  const StereoView view_;
-
- private:
-  Simulator& simulator_;
-};
-
-int16_t saturated(double value) { return static_cast<int16_t>(std::clamp(std::round(value), -32767.0, 32767.0)); }
 
 class TrueDisparity final : public TruthStage {
   using TruthStage::TruthStage;
@@ -87,32 +54,21 @@ class TrueFloor final : public TruthStage {
     int16_t* row = out.row<int16_t>(0);
     for (int column = 0; column < out.spec.width; ++column) {
       const double d = column / 16.0 + config_.image_source.minDisparity - view_.cx_offset;
+      if (truth.plane_count == 0) {
+        row[column] = d > 0 ? saturated(simulator_.ground_row(view_.f * view_.baseline / d)) : line_none;
+        continue;
+      }
       const double a = level.row(d), b = slope.row(d);
       row[column] = saturated(truth.plane_count == 1 ? a : truth.rising ? std::min(a, b) : std::max(a, b));
     }
   }
 };
 
-class TrueMap final : public TruthStage {
-  using TruthStage::TruthStage;
-  int rows() const { return static_cast<int>(std::lround(config_.map.range / config_.map.cell)); }
-  int columns() const { return static_cast<int>(std::lround(config_.map.width / config_.map.cell)); }
-  ImageSpec make(const ImageSpec&) const override {
-    return {Pixel::count16, 0, static_cast<uint16_t>(columns()), static_cast<uint16_t>(rows())};
-  }
+class TrueMap final : public TruthGrid {
+  using TruthGrid::TruthGrid;
+  ImageSpec make(const ImageSpec&) const override { return grid_spec(Pixel::count16); }
   void fill(const TruthView& truth, Image& out) const noexcept override {
-    const auto cx = static_cast<float>(view_.cx), along = static_cast<float>(view_.f * std::cos(truth.scene.pitch_rad));
-    const mounting_section& mounting = config_.mounting;
-    out.grid = {static_cast<float>(config_.map.cell),
-                static_cast<float>(rows()),
-                static_cast<float>(columns()) / 2,
-                -cx / along,
-                (static_cast<float>(truth.width) - cx) / along,
-                static_cast<uint32_t>(config_.map.minCount),
-                0,
-                static_cast<float>(mounting.x),
-                static_cast<float>(mounting.y),
-                static_cast<float>(mounting.yaw)};
+    out.grid = grid(truth);
     for (int row = 0; row < rows(); ++row) std::memset(out.row<int16_t>(row), 0, out.spec.stride());
     for (int v = 0; v < truth.height; ++v) {
       for (int u = 0; u < truth.width; ++u) {
@@ -139,6 +95,7 @@ void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const
   driver.add("truth/scene", std::make_unique<TrueScene>(simulator, config), {camera});
   driver.add("truth/floor", std::make_unique<TrueFloor>(simulator, config), {camera});
   driver.add("truth/map", std::make_unique<TrueMap>(simulator, config), {camera});
+  add_ground_truth(driver, camera, simulator, config);
 }
 
 }  // namespace vdisp::sim

@@ -8,8 +8,8 @@
 
 namespace vdisp::sim {
 
-/// Adds truth/disparity, truth/object, truth/scene, truth/floor and truth/map. `camera` is the left raw image, whose time tells
-/// the frame. Simulator and configuration must outlive the driver's last step.
+/// Adds truth/disparity, truth/object, truth/height, truth/scene, truth/floor, truth/map and truth/map_cells. `camera` is the left
+/// raw image, whose time tells the frame. Simulator and configuration must outlive the driver's last step.
 void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const Config& config);
 
 }  // namespace vdisp::sim

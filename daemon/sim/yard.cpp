@@ -3,57 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/sim/objects.h"
 #include "daemon/sim/scene.h"
 
 namespace vdisp::sim {
-namespace {
-
-SceneObject make(ObjectKind kind, double x, double z, double width, double depth, double height, double yaw, double brightness) {
-  constexpr Surface surfaces[] = {Surface::gravel, Surface::planks, Surface::bark, Surface::bricks, Surface::stone};
-  SceneObject object;
-  object.kind = kind;
-  object.x = x;
-  object.z = z;
-  object.width = width;
-  object.depth = depth;
-  object.height = height;
-  object.yaw = yaw;
-  object.surface = surfaces[static_cast<int>(kind)];
-  object.brightness = brightness;
-  return object;
-}
-
-/// A crate, post or rock of an obstacle's size, at the origin.
-SceneObject random_object(Chance& chance) {
-  const double yaw = chance.between(-0.8, 0.8);
-  switch (chance.below(5)) {
-    case 0:
-    case 1:
-      return make(ObjectKind::box, 0, 0, chance.between(0.3, 0.8), chance.between(0.3, 0.6), chance.between(0.3, 0.9), yaw,
-                  chance.between(110, 170));
-    case 2: {
-      const double width = chance.between(0.12, 0.3);
-      return make(ObjectKind::post, 0, 0, width, width, chance.between(0.7, 1.6), yaw, chance.between(120, 190));
-    }
-    default: {
-      const double width = chance.between(0.35, 0.9);
-      return make(ObjectKind::rock, 0, 0, width, width * chance.between(0.7, 1), chance.between(0.3, 0.6), yaw, chance.between(120, 165));
-    }
-  }
-}
-
-/// One that a rover climbs: 0.05 to 0.15 m.
-SceneObject small_object(Chance& chance) {
-  const double height = chance.between(0.05, 0.15), yaw = chance.between(-0.8, 0.8);
-  if (chance.below(2) == 0)
-    return make(ObjectKind::box, 0, 0, chance.between(0.12, 0.4), chance.between(0.1, 0.3), height, yaw, chance.between(110, 170));
-  const double width = chance.between(1.4, 2.2) * height;
-  return make(ObjectKind::rock, 0, 0, width, width, height, yaw, chance.between(120, 165));
-}
-
-}  // namespace
-
-Scene::Scene(const sim_section& parameters) : parameters_(parameters), rise_(std::tan(parameters.slope)) {
+Scene::Scene(const sim_section& parameters) : parameters_(parameters), ground_(parameters) {
   Chance chance(static_cast<uint64_t>(parameters.seed));
   const std::string& name = parameters.scene;
   drives_ = name == "drive";
@@ -64,6 +18,10 @@ Scene::Scene(const sim_section& parameters) : parameters_(parameters), rise_(std
     build_flat(chance);
   } else if (name == "obstacles") {
     build_five();
+  } else if (name == "crowded") {
+    build_crowd(chance);
+  } else if (name == "overhangs") {
+    build_overhangs(chance);
   } else if (name == "wall") {
     objects_.push_back(make(ObjectKind::wall, 0, 2, 30, 0.3, 8, 0, 150));
     objects_.back().textured = false;
@@ -102,6 +60,7 @@ double Scene::clearance(double x, double z) const {
 
 bool Scene::fits(const SceneObject& object, double path_gap, double gap) const {
   if (drives_ && clearance(object.x, object.z) < path_gap + object.radius()) return false;
+  if (!ground_.whole(object.x, object.z, object.radius() + 0.1)) return false;
   return std::none_of(objects_.begin(), objects_.end(), [&](const SceneObject& other) {
     return other.width < 20 && std::hypot(other.x - object.x, other.z - object.z) < gap + other.radius() + object.radius();
   });

@@ -103,6 +103,13 @@ void require_size(const Config& config) {
   if (wanted.height != 0 && wanted.height != config.sim.height) refuse("height", wanted.height, config.sim.height);
 }
 
+/// A rover that drives round would fall in.
+void require_way(const sim_section& sim) {
+  if (sim.scene == "drive" && (sim.ground == "kerb" || sim.ground == "ditch"))
+    throw SourceError(78,
+                      "[sim] ground = " + sim.ground + " with scene = drive: the rover's way leads across it; use another scene, or ramp");
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> simulator_places() {
@@ -116,6 +123,7 @@ std::vector<std::filesystem::path> simulator_places() {
 
 std::unique_ptr<StereoSource> open_sim(const Config& config, const std::vector<std::filesystem::path>& places) {
   require_size(config);
+  require_way(config.sim);
   std::string looked;
   for (const std::filesystem::path& place : places) {
     const std::filesystem::path file = place / module_name;

@@ -53,6 +53,7 @@ class Daemon:
         self.empty = self.work / "defaults.cfg"  # so that no installed vdisp.cfg has a say
         self.empty.write_text("")
         self.memo = {}
+        self.kinds, self.sets = None, {}  # kinds of scenes asked for (None: all), and parameters for them
 
     def close(self):
         shutil.rmtree(self.work, ignore_errors=True)

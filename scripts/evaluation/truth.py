@@ -6,6 +6,9 @@ import numpy as np
 import evaluation.geometry as geometry
 
 GROUND, UNLISTED, SKY = 0, 254, 255
+# Values of truth/map_cells.
+OUTSIDE, FREE, OBSTACLE, DROP_OFF, OVERHANG, HIDDEN, BELOW = range(7)
+CLEARANCE = 1.0  # m: what hangs at least so high is not in the way; the scenes have nothing near it
 CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (0, 1) for z in (-0.5, 0.5)])
 
 
@@ -24,9 +27,9 @@ class TruthObject:
 
 
 class SceneTruth:
-    """Truth of one frame, made from truth/disparity, truth/object and truth_scene alone.
+    """Truth of one frame, made from truth/disparity, truth/object, truth/height and truth_scene alone.
 
-    An object must be found if it is textured, at least 0.3 m tall and wide, its nearest point (higher than max_height) lies 1 to
+    An object must be found if it is textured, stands or hangs lower than CLEARANCE, is at least 0.3 m tall and wide, its nearest point (higher than max_height) lies 1 to
     4.5 m ahead in the map, and at least half of its outline is seen and matchable: not hidden, inside the image, not in the left
     border that has no counterpart in the right view (u < ndisp - 1 + half the window), nor nearer than f B / (ndisp - 1).
     """
@@ -41,17 +44,27 @@ class SceneTruth:
         seen = (disparity > 0) & (true_disparity > 0)
         depth = np.where(seen, camera["f"] * camera["baseline"] / np.where(seen, true_disparity, 1), np.nan)
         self.x, y, self.z = geometry.level(geometry.camera_points(camera, depth), self.pitch, self.roll)
-        self.above = self.height - y  # m above the flat ground
+        self.above = (frame.image("truth/height").astype(int) - 32768) / 1000.0  # m above the ground at its place
         self.matchable = seen & (disparity <= ndisp - 1) & geometry.matchable(ndisp, corrsize, disparity.shape)
         high = seen & (number != GROUND) & (number != SKY) & (self.above > max_height)
         self.occupied = grid.mask(self.x[high], self.z[high])
+        hanging = np.isin(number, [o["number"] for o in scene["objects"] if o["bottom"] >= CLEARANCE])
+        low = high & ~hanging
+        self.in_the_way = grid.mask(self.x[low], self.z[low])  # as occupied, without what hangs high
+        on_ground = self.matchable & (number == GROUND)
+        self.ground = grid.mask(self.x[on_ground], self.z[on_ground])  # cells whose ground can be matched
+        self.kind = frame.image("truth/map_cells")
+        self.drop = scene["drop"]
         self.objects = []
         for entry in scene["objects"]:
             item = TruthObject(entry)
             self.look(item, number == entry["number"], high)
             self.objects.append(item)
             if entry["height"] >= max_height:
-                self.occupied |= self.footprint(entry)
+                footprint = self.footprint(entry)
+                self.occupied |= footprint
+                if entry["bottom"] < CLEARANCE:
+                    self.in_the_way |= footprint
 
     def look(self, item, mine, high):
         usable = mine & high & self.matchable
@@ -68,17 +81,18 @@ class SceneTruth:
         columns = np.nonzero(usable.any(axis=0))[0]
         nearest = np.where(usable[:, columns], self.z[:, columns], np.inf).argmin(axis=0)
         item.contour = self.grid.mask(self.x[nearest, columns], self.z[nearest, columns])
-        item.must_be_found = bool(entry["textured"] and entry["height"] >= 0.3 and entry["width"] >= 0.3
+        item.must_be_found = bool(entry["textured"] and entry["bottom"] < CLEARANCE and entry["height"] >= 0.3 and entry["width"] >= 0.3
                                   and 1.0 <= item.distance <= 4.5 and item.share >= 0.5 and item.front.any())
 
     def outline_area(self, entry):
         """Pixels of the box around the object, drawn by the camera: convex hull of its corners. A rock fills less of its box."""
-        corners = CORNERS * (entry["width"], entry["height"], entry["depth"])
+        corners = CORNERS * (entry["width"], entry["height"] - entry["bottom"], entry["depth"])
+        up = entry["base"] + entry["bottom"] + corners[:, 1]
         sin, cos = np.sin(entry["yaw"]), np.cos(entry["yaw"])
         # Yaw is positive to the left, x to the right.
         x = entry["x"] + corners[:, 0] * cos - corners[:, 2] * sin
         z = entry["z"] + corners[:, 0] * sin + corners[:, 2] * cos
-        xc, yc, zc = geometry.unlevel((x, self.height - corners[:, 1], z), self.pitch, self.roll)
+        xc, yc, zc = geometry.unlevel((x, self.height - up, z), self.pitch, self.roll)
         zc = np.maximum(zc, 0.05)
         f = self.camera["f"]
         hull = cv2.convexHull(np.stack([f * xc / zc, f * yc / zc], axis=1).astype(np.float32))
@@ -103,7 +117,11 @@ def shift(item, counts, grid):
 def compare_map(frame, truth, min_count=3):
     """The daemon's map against a SceneTruth. A blind map finds nothing."""
     counts = frame.image("map") if frame.valid("map") else np.zeros((truth.grid.rows, truth.grid.columns), np.uint16)
-    found = counts >= min_count
+    return compare_found(counts >= min_count, not frame.valid("map"), counts, truth, truth.occupied)
+
+
+def compare_found(found, blind, counts, truth, occupied):
+    """Cells said to be obstacles against a SceneTruth; `occupied` are the cells where they are right."""
     reached = geometry.wider(found)
     objects = []
     contours = np.zeros_like(found)
@@ -117,8 +135,8 @@ def compare_map(frame, truth, min_count=3):
             "share": item.share, "hit": bool((item.front & reached).any()), "shift": shift(item, counts * found, truth.grid),
             "covered": float((item.contour & reached).sum() / max(item.contour.sum(), 1)),
         })
-    false = found & ~geometry.wider(truth.occupied)
+    false = found & ~geometry.wider(occupied)
     distance = geometry.distance_to(contours, truth.grid.cell)[found]
-    return {"objects": objects, "blind": not frame.valid("map"), "found": int(found.sum()), "false": int(false.sum()),
+    return {"objects": objects, "blind": blind, "found": int(found.sum()), "false": int(false.sum()),
             "false_cells": [(int(r), int(c)) for r, c in np.argwhere(false)],
             "distances": distance[np.isfinite(distance)].tolist()}

@@ -19,6 +19,8 @@ class SlowSimulator final : public Simulator {
     for (std::byte* view : {left, right}) std::memset(view, static_cast<int>(frame) + 1, stride * height_);
   }
   const TruthView& truth(uint64_t) noexcept override { return truth_; }
+  Place place(double, double) const noexcept override { return {}; }
+  double ground_row(double) const noexcept override { return 0; }
 
  private:
   const size_t height_;

@@ -355,9 +355,12 @@ class Parameters(ProgramTest):
 
     # [sim]
     def test_sim_scene(self):
-        first = self.dump("sim.scene=flat").picture("camera/left")
-        for scene in ("drive", "obstacles", "empty", "wall"):
-            self.assertGreater(numpy.abs(first.astype(int) - self.dump(f"sim.scene={scene}").picture("camera/left")).mean(), 2, scene)
+        # Little pitch: some beams hang above what a camera sees that looks down.
+        def left(scene):
+            return self.dump(f"sim.scene={scene}", "sim.pitch=0.05").picture("camera/left").astype(int)
+        first = left("flat")
+        for scene in ("drive", "obstacles", "empty", "wall", "crowded", "overhangs"):
+            self.assertGreater(numpy.abs(first - left(scene)).mean(), 2, scene)
 
     def test_sim_seed(self):
         one, again, other = (self.dump(f"sim.seed={seed}").picture("camera/left") for seed in (5, 5, 6))
@@ -391,6 +394,50 @@ class Parameters(ProgramTest):
     def test_sim_slope(self):
         # Rising ground hides the horizon: more of the picture is ground.
         self.rises("sim.slope", [-0.1, 0, 0.1], lambda d: (d.picture("truth/object") == 0).sum(), "sim.scene=empty")
+
+    def test_sim_ground(self):
+        # Kinds of cells that the truth has: 3 = the edge of a drop-off; the slope begins farther away on a ramp.
+        def edges(ground):
+            return (self.dump(f"sim.ground={ground}", "sim.scene=empty", "sim.slope=0.1").picture("truth/map_cells") == 3).sum()
+        self.assertEqual([edges("slope"), edges("ramp"), edges("crest")], [0, 0, 0])
+        self.assertGreater(edges("kerb"), 5)
+        self.assertGreater(edges("ditch"), 10)
+        scenes = [self.dump(f"sim.ground={ground}", "sim.slope=0.1").json["truth_scene"] for ground in ("slope", "ramp", "crest", "kerb")]
+        self.assertLess(scenes[0]["foot_m"], scenes[1]["foot_m"])
+        self.assertEqual([scene["crest_m"] > 0 for scene in scenes], [False, False, True, False])
+        self.assertEqual([scene["drop"] is None for scene in scenes], [True, True, True, False])
+        self.assert_refused(run("vdispd", "--sim", "--set", "sim.ground=ditch", "--set", "sim.scene=drive"), 78, "ground = ditch")
+
+    def test_sim_roughness(self):
+        # Bumps move the ground up and down in the picture: its disparities along a row are no longer equal.
+        self.rises("sim.roughness", [0, 0.02, 0.05], lambda d: d.picture("truth/disparity")[180:230].std(axis=1).mean(), "sim.scene=empty")
+
+    def test_sim_pitching(self):
+        def swing(dumped):
+            return dumped.json["truth_scene"]["pitch_rad"] - 0.2618
+        self.rises("sim.pitching", [0, 0.05, 0.1], swing, "sim.pitchingRate=2", frames=4)
+
+    def test_sim_pitchingRate(self):
+        # A tenth of a second after the start: 36 and 72 degrees into the sine.
+        for rate, part in ((1, 0.588), (2, 0.951)):
+            scene = self.dump("sim.pitching=0.1", f"sim.pitchingRate={rate}", frames=4).json["truth_scene"]
+            self.assertAlmostEqual((scene["pitch_rad"] - 0.2618) / 0.1, part, delta=0.002)
+
+    def test_sim_event(self):
+        def left(event):
+            return self.dump(f"sim.event={event}").picture("camera/left").astype(float)
+        usual = left("none")
+        for event, least, most in (("cap", 0, 3), ("dark", 0, 8), ("bright", 250, 255), ("blank", 145, 155)):
+            picture = left(event)
+            self.assertTrue(least <= picture.mean() <= most, f"{event}: mean {picture.mean()}")
+            self.assertLess(picture.std(), usual.std() / 3, event)
+
+    def test_sim_eventFrame(self):
+        def mean(first):
+            return self.dump("sim.event=cap", f"sim.eventFrame={first}", frames=3).picture("camera/left").mean()
+        self.assertLess(mean(1), 5)
+        self.assertLess(mean(2), 5)
+        self.assertGreater(mean(3), 50)
 
     def test_sim_noise(self):
         def difference(dumped):

@@ -183,7 +183,9 @@ TEST_F(DumpTest, truth_of_the_simulator_becomes_a_member_with_its_objects) {
   auto& scene = make_record<TruthScene>(outlet.loan());
   scene.height_m = 0.8;
   scene.count = 1;
-  scene.objects[0] = {ObjectKind::post, 1, 0.5f, 2.f, 0.25f, 0.25f, 1.f, 0.f};
+  scene.objects[0] = {ObjectKind::post, 1, 0.5f, 2.f, 0.25f, 0.25f, 1.f, 0.f, 0.25f, 0.f};
+  scene.x_m = 3.5;
+  scene.drop = {0.5f, 0.f, -1.f, 2.f, 1.f, 2.5f};
   FrameDump dump(root_ / "000000");
   dump.add("truth/scene", outlet.loan());
   dump.finish();
@@ -191,6 +193,10 @@ TEST_F(DumpTest, truth_of_the_simulator_becomes_a_member_with_its_objects) {
   EXPECT_EQ(frame["truth_scene"]["height_m"], 0.8);
   EXPECT_EQ(frame["truth_scene"]["objects"][0]["kind"], "post");
   EXPECT_EQ(frame["truth_scene"]["objects"][0]["z"], 2.0);
+  EXPECT_EQ(frame["truth_scene"]["objects"][0]["base"], 0.25);
+  EXPECT_EQ(frame["truth_scene"]["rover"]["x_m"], 3.5);
+  EXPECT_EQ(frame["truth_scene"]["drop"]["depth"], 0.5);
+  EXPECT_EQ(frame["truth_scene"]["drop"]["right"][1], 2.5);
 }
 
 TEST_F(DumpTest, blind_images_leave_their_reason_and_no_picture_and_an_empty_line) {
