@@ -7,9 +7,12 @@
 #include "daemon/stages/height.h"
 #include "daemon/stages/limit.h"
 #include "daemon/stages/map.h"
+#include "daemon/stages/occupancy.h"
+#include "daemon/stages/plane_floor.h"
 #include "daemon/stages/rectify.h"
 #include "daemon/stages/show_line.h"
 #include "daemon/stages/show_obstacle.h"
+#include "daemon/stages/surfaces.h"
 #include "daemon/stages/vdisparity.h"
 
 namespace vdisp {
@@ -28,7 +31,8 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
   const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
 
-  if (floors) {
+  const bool line = config.floor.model == "line";
+  if (floors && line) {
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
     const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
@@ -37,6 +41,18 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     // For the eye: run only while somebody looks, and after the map.
     driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
     driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
+    driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
+    driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
+  } else if (floors) {
+    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config), {disparity, left}, Need::always);
+    const auto over = driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1]});
+    driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
+                   {disparity, over[1], over[2], over[3], floor[1], left}, Need::always);
+    driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
+
+    const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
+    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
+    driver.add("obstacles", make_unique<ShowSurface>(), {over[1]});
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
   }

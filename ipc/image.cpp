@@ -75,6 +75,26 @@ std::string_view name(Rejected why) {
   return "unknown";
 }
 
+std::string_view name(CellReason why) {
+  switch (why) {
+    case CellReason::out_of_view: return "out of view";
+    case CellReason::floor: return "floor";
+    case CellReason::obstacle: return "obstacle";
+    case CellReason::drop_off: return "drop-off";
+    case CellReason::overhang: return "overhang";
+    case CellReason::too_near: return "too near";
+    case CellReason::occluded: return "occluded";
+    case CellReason::too_dark: return "too dark";
+    case CellReason::too_bright: return "too bright";
+    case CellReason::no_texture: return "no texture";
+    case CellReason::not_unique: return "not unique";
+    case CellReason::left_right: return "left/right";
+    case CellReason::speckle: return "speckle";
+    case CellReason::rejected: return "rejected";
+  }
+  return "unknown";
+}
+
 uint32_t pixel_bytes(Pixel pixel) {
   switch (pixel) {
     case Pixel::rgb8: return 3;

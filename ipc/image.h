@@ -37,6 +37,20 @@ constexpr int16_t rejected(Rejected why) { return static_cast<int16_t>(rejected_
 /// The code of a rejected pixel, 0 for a pixel that has a disparity.
 constexpr uint8_t rejected_code(int16_t pixel) { return pixel < rejected_base ? static_cast<uint8_t>(rejected_base - pixel) : uint8_t{0}; }
 
+/// Why a cell of the ground is what it is; pixels of stage `reason`.
+enum class CellReason : uint8_t {
+  out_of_view = 0,  ///< unknown: the camera does not look there
+  floor,            ///< floor seen
+  obstacle,         ///< something stands there
+  drop_off,         ///< the ground ends: what is seen lies under the floor
+  overhang,         ///< unknown: only what hangs over it is seen
+  too_near,         ///< unknown: nearer than the camera can match
+  occluded,         ///< unknown: something nearer hides it
+  too_dark, too_bright, no_texture, not_unique, left_right, speckle,  ///< unknown: why its pixels have no disparity
+  rejected,         ///< unknown: refused otherwise
+};
+inline constexpr size_t cell_reasons = 14;
+
 inline constexpr int16_t line_none = INT16_MIN;
 inline constexpr int16_t height_unknown = INT16_MIN;
 
@@ -64,6 +78,7 @@ std::string_view name(Reason reason);
 std::string_view describe(Reason reason);
 std::string_view name(Pixel pixel);
 std::string_view name(Rejected why);
+std::string_view name(CellReason why);
 /// Bytes of one pixel; 1 for records.
 uint32_t pixel_bytes(Pixel pixel);
 

@@ -5,55 +5,35 @@
 #include <cmath>
 #include <cstring>
 
-#include "daemon/stages/projection.h"
+#include "daemon/stages/ground_grid.h"
 
 namespace vdisp {
 
 std::vector<ImageSpec> Map::check(std::span<const ImageSpec> in) {
-  if (in.size() != 3) throw FormatError("takes disparity, limit and floor model, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 2 && in.size() != 3)
+    throw FormatError("takes disparity, limit and floor model, or obstacles and floor model, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::disparity16, "the disparity");
-  require(in[1], Pixel::line16, "the limit");
-  require(in[2], Pixel::record, "the floor model");
-  const auto& m = config_.map;
-  scratch_ = kernels::GroundScratch(in[0].width, in[1].width);
-  return {{Pixel::count16, 0, static_cast<uint16_t>(std::lround(m.width / m.cell)), static_cast<uint16_t>(std::lround(m.range / m.cell))}};
-}
-
-GridGeometry Map::grid(const Image& disparity, double pitch, const ImageSpec& spec) const {
-  const CameraGeometry& c = disparity.camera;
-  const auto& mounting = config_.mounting;
-  const float along = c.f * static_cast<float>(std::cos(pitch));
-  GridGeometry g{};
-  g.cell = static_cast<float>(config_.map.cell);
-  g.origin_row = spec.height;
-  g.origin_column = static_cast<float>(spec.width) / 2;
-  g.view_left = -c.cx / along;
-  g.view_right = (static_cast<float>(disparity.spec.width) - c.cx) / along;
-  g.min_count = static_cast<uint32_t>(config_.map.minCount);
-  g.pose_x = static_cast<float>(mounting.x);
-  g.pose_y = static_cast<float>(mounting.y);
-  g.pose_yaw = static_cast<float>(mounting.yaw);
-  return g;
-}
-
-kernels::Ground Map::ground(const Image& disparity, double pitch, const ImageSpec& spec) const {
-  const StereoView view = stereo_view(disparity);
-  const double roll = config_.mounting.roll;
-  return {view.f,          view.cx,        view.cy,        view.baseline,    view.cx_offset, std::cos(pitch),
-          std::sin(pitch), std::cos(roll), std::sin(roll), config_.map.cell, spec.height,    spec.width};
+  if (in.size() == 3) require(in[1], Pixel::line16, "the limit");
+  require(in.back(), Pixel::record, "the floor model");
+  const size_t columns = in.size() == 3 ? in[1].width : 16 * static_cast<size_t>(config_.image_source.ndisp);
+  everything_.assign(columns, INT16_MAX);
+  scratch_ = kernels::GroundScratch(in[0].width, static_cast<int>(columns));
+  return {{Pixel::count16, 0, grid_columns(config_), grid_rows(config_)}};
 }
 
 Outcome Map::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
-  const Image &disparity = *in[0], &limit = *in[1];
+  const Image& disparity = *in[0];
   Image& map = *out[0];
-  const double pitch = pitch_in_use(config_, *in[2]->row<FloorModel>(0));
+  const FloorModel& model = *in.back()->row<FloorModel>(0);
+  const int16_t* limit = in.size() == 3 ? in[1]->row<int16_t>(0) : everything_.data();
+  const double pitch = pitch_in_use(config_, model), roll = measures_roll(model) ? model.roll_rad : config_.mounting.roll;
   map.reason = no_metres(disparity, pitch);
   if (map.reason != Reason::none) return Outcome::invalid;
-  map.grid = grid(disparity, pitch, map.spec);
+  map.grid = grid_geometry(config_, disparity, pitch);
   for (int row = 0; row < map.spec.height; ++row) std::memset(map.row<int16_t>(row), 0, map.spec.stride());
 
-  machine_.kernels.count_cells(plane<int16_t>(disparity), search_of(disparity.camera, limit.spec.width), limit.row<int16_t>(0),
-                               ground(disparity, pitch, map.spec), plane<int16_t>(map), scratch_);
+  machine_.kernels.count_cells(plane<int16_t>(disparity), search_of(disparity.camera, static_cast<int>(everything_.size())), limit,
+                               ground_of(config_, disparity, pitch, roll), plane<int16_t>(map), scratch_);
   return Outcome::valid;
 }
 

@@ -17,6 +17,8 @@ constexpr double most_roll = 0.45, most_pitch = 1.35;  // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
 // How far a floor may be off what was expected until that counts half of what lies on it.
+constexpr double usual_pitch = 0.3, usual_pitch_off = 0.5;  // where nothing is known of it: a wall is no floor
+constexpr double as_good = 0.9;                              // a fit may lose so much of what its first guess had
 constexpr double height_off = 0.25, pitch_off = 0.20, roll_off = 0.20, last_off = 0.15;
 
 double bell(double off, double half) { return 1 / (1 + off * off / (half * half)); }
@@ -93,7 +95,7 @@ double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, cons
   const double height = config_.mounting.height, pitch = config_.expected_pitch();
   double likely = bell(pose.roll - config_.mounting.roll, roll_off);
   if (height > 0) likely *= bell(pose.height / height - 1, height_off);
-  if (!std::isnan(pitch)) likely *= bell(pose.pitch - pitch, pitch_off);
+  likely *= std::isnan(pitch) ? bell(pose.pitch - usual_pitch, usual_pitch_off) : bell(pose.pitch - pitch, pitch_off);
   if (last) {
     const PlanePose before = pose_of(*last, view);
     likely *= 0.5 + 0.5 * bell(pose.height / before.height - 1, last_off) * bell(pose.pitch - before.pitch, last_off) *
@@ -158,7 +160,7 @@ std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, ui
   std::optional<Found> winner;
   for (size_t i = 0; i < count; ++i) {
     Found found = judge(refine(best[i].plane), view, last);
-    if (found.score < best[i].score) found = best[i];
+    if (found.score < as_good * best[i].score) found = best[i];
     if (!winner || found.score > winner->score) winner = found;
   }
   return winner;

@@ -18,9 +18,12 @@ inline StereoView stereo_view(const Image& image) {
   return {g.f, g.cx, g.cy, g.baseline, g.cx_offset};
 }
 
-/// Pitch for metres: the number in angRot, or with angRot = auto the one measured from the floor. NaN: not known.
+/// The line's pitch is told by the operator or the line; planes have measured theirs, and their roll.
+inline bool measures_roll(const FloorModel& floor) { return floor.model != FloorKind::line; }
+
+/// Pitch for metres: with a plane or profile the measured one, else the number in angRot, or with angRot = auto the one measured from the floor. NaN: not known.
 inline double pitch_in_use(const Config& config, const FloorModel& floor) {
-  return config.automatic_pitch() ? floor.pitch_rad : config.limit.angRot;
+  return config.automatic_pitch() || measures_roll(floor) ? floor.pitch_rad : config.limit.angRot;
 }
 
 /// Why nothing behind the floor can be said in metres; none if it can.

@@ -18,4 +18,18 @@ bool ShowObstacle::combine(const Image& disparity, const Image& limit, Image& ou
   return true;
 }
 
+ImageSpec ShowSurface::accept(const ImageSpec& surface) {
+  require(surface, Pixel::gray8, "the surface");
+  return {Pixel::mask8, 0, surface.width, surface.height};
+}
+
+bool ShowSurface::filter(const Image& surface, Image& out) noexcept {
+  for (int v = 0; v < out.spec.height; ++v) {
+    const uint8_t* from = surface.row<uint8_t>(v);
+    uint8_t* to = out.row<uint8_t>(v);
+    for (int u = 0; u < out.spec.width; ++u) to[u] = from[u] == static_cast<uint8_t>(kernels::Surface::obstacle) ? 255 : 0;
+  }
+  return true;
+}
+
 }  // namespace vdisp

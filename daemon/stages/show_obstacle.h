@@ -18,4 +18,11 @@ class ShowObstacle final : public BinaryOperator {
   Machine& machine_;
 };
 
+/// gray8 of stage `surface` to mask8: 255 = obstacle.
+class ShowSurface final : public ImageFilter {
+ public:
+  ImageSpec accept(const ImageSpec& surface) override;
+  bool filter(const Image& surface, Image& out) noexcept override;
+};
+
 }  // namespace vdisp

@@ -1,0 +1,200 @@
+// occupancy.cpp: obstacles counted by cell, each cell looked up in the image, and both joined.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/occupancy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdisp {
+namespace {
+
+constexpr double object_of_step = 0.5;   // the least object is this part of max_height higher than max_height
+constexpr double share_for_e = 0.24;     // pixels seen, of those expected, for 1 - 1 / e
+constexpr int occupied = 65;             // from here on a cell is an obstacle
+constexpr int least_weak = 50;           // what is less, and not on floor, is not told
+constexpr double least_floor = 0.25, sure_floor = 0.6, least_below = 0.4;  // of what a cell shows
+constexpr int least_hole = 4;            // samples
+constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
+constexpr int dark = 14, bright = 250;   // grey levels
+constexpr int floor_leads = 4;           // cells: floor no farther than this before a hole leads up to it
+
+CellReason reason_of(uint8_t code) {
+  switch (static_cast<Rejected>(code)) {
+    case Rejected::low_texture: return CellReason::no_texture;
+    case Rejected::not_unique: return CellReason::not_unique;
+    case Rejected::left_right: return CellReason::left_right;
+    case Rejected::speckle: return CellReason::speckle;
+    case Rejected::outside: return CellReason::out_of_view;
+    case Rejected::matcher:
+    case Rejected::infinity: break;
+  }
+  return CellReason::rejected;
+}
+
+}  // namespace
+
+std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
+  if (in.size() != 6) throw FormatError("takes disparity, surface, obstacles, overhangs, floor model and left view, was given " + std::to_string(in.size()) + " images");
+  require(in[0], Pixel::disparity16, "the disparity");
+  require(in[1], Pixel::gray8, "the surface");
+  require(in[2], Pixel::disparity16, "the obstacles");
+  require(in[3], Pixel::disparity16, "the overhangs");
+  require(in[4], Pixel::record, "the floor model");
+  require(in[5], Pixel::gray8, "the left view");
+  for (size_t i : {1u, 2u, 3u, 5u}) require_same_size(in[0], in[i]);
+  rows_ = grid_rows(config_);
+  columns_ = grid_columns(config_);
+  const size_t disparities = 16 * static_cast<size_t>(config_.image_source.ndisp);
+  all_limit_.assign(disparities, INT16_MAX);
+  obstacles_.assign(static_cast<size_t>(rows_) * static_cast<size_t>(columns_), 0);
+  overhangs_ = obstacles_;
+  scratch_ = kernels::GroundScratch(in[0].width, static_cast<int>(disparities));
+  const ImageSpec grid{Pixel::int8, 0, static_cast<uint16_t>(columns_), static_cast<uint16_t>(rows_)};
+  return {grid, {Pixel::gray8, 0, grid.width, grid.height}};
+}
+
+Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
+  const Image& disparity = *in[0];
+  const FloorModel& model = *in[4]->row<FloorModel>(0);
+  out[0]->reason = no_metres(disparity, model.pitch_rad);
+  if (out[0]->reason != Reason::none) return Outcome::invalid;
+  const StereoView view = stereo_view(disparity);
+  const Inputs inputs{disparity,
+                      *in[1],
+                      *in[5],
+                      view,
+                      LocalFloor(model, view),
+                      {model.pitch_rad, model.roll_rad, model.height_m},
+                      disparity.camera.min_disparity + disparity.camera.disparities - 1 - view.cx_offset};
+  for (Image* image : out) {
+    image->grid = grid_geometry(config_, disparity, model.pitch_rad);
+    image->flags |= in[4]->flags & flag_held;
+  }
+  const kernels::Ground ground = ground_of(config_, disparity, model.pitch_rad, model.roll_rad);
+  const kernels::Search search = search_of(disparity.camera, static_cast<int>(all_limit_.size()));
+  const auto count = [&](const Image& pixels, std::vector<int16_t>& cells) {
+    std::fill(cells.begin(), cells.end(), int16_t{0});
+    machine_.kernels.count_cells(plane<int16_t>(pixels), search, all_limit_.data(), ground, {cells.data(), columns_, rows_, columns_}, scratch_);
+  };
+  count(*in[2], obstacles_);
+  count(*in[3], overhangs_);
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) judge(inputs, row, column, *out[0], *out[1]);
+  }
+  drop_offs(*out[0], *out[1]);
+  return Outcome::valid;
+}
+
+Occupancy::Box Occupancy::box(const Inputs& in, int row, int column) const noexcept {
+  const double cell = config_.map.cell, near = (rows_ - 1 - row) * cell, left = (column - columns_ / 2.0) * cell;
+  const auto see = [&](double x, double ahead) {
+    const double down = in.pose.height - in.floor.elevation(ahead);
+    return camera({x, down, ahead}, in.pose.pitch, in.pose.roll);
+  };
+  const Point a = see(left, near), b = see(left + cell, near + cell);
+  Box box{};
+  const double least = 0.05;
+  if (a.z < least || b.z < least) return box;
+  const double f = in.view.f, fb = f * in.view.baseline;
+  const double u0 = in.view.cx + f * a.x / a.z, u1 = in.view.cx + f * b.x / b.z, v0 = in.view.cy + f * a.y / a.z, v1 = in.view.cy + f * b.y / b.z;
+  // The columns of the middle of the cell, not of its corners, or wide views would look far beside it.
+  const double middle_z = (a.z + b.z) / 2, middle_u = (u0 + u1) / 2, half = f * cell / middle_z / 2;
+  box = {middle_u - half, middle_u + half, std::min(v0, v1), std::max(v0, v1), fb / b.z, fb / a.z};
+  return box;
+}
+
+void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexcept {
+  const int width = in.disparity.spec.width, height = in.disparity.spec.height;
+  const double left = std::max(box.left, 0.0), right = std::min(box.right, width - 1.0), top = std::max(box.top, 0.0), bottom = std::min(box.bottom, height - 1.0);
+  if (!(right > left) || bottom < top || box.d_near <= 0) return;
+  const int across = std::clamp(static_cast<int>(right - left), 1, most_samples), down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
+  const double least = 16 * ((1 - depth_share) * box.d_far - depth_off + in.view.cx_offset);
+  const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
+  for (int j = 0; j < down; ++j) {
+    const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
+    const int16_t* d = in.disparity.row<int16_t>(v);
+    const uint8_t *surface = in.surface.row<uint8_t>(v), *grey = in.left.row<uint8_t>(v);
+    for (int i = 0; i < across; ++i) {
+      const int u = static_cast<int>(left + (i + 0.5) * (right - left) / across);
+      ++tally.all;
+      const auto what = static_cast<kernels::Surface>(surface[u]);
+      if (what == kernels::Surface::none) {
+        const CellReason why = grey[u] < dark ? CellReason::too_dark : grey[u] >= bright ? CellReason::too_bright : reason_of(rejected_code(d[u]));
+        ++tally.why[static_cast<size_t>(why)];
+      } else if (d[u] > most) {
+        ++tally.nearer;
+      } else if (what == kernels::Surface::below) {
+        ++tally.below;
+      } else if (what == kernels::Surface::floor && d[u] >= least) {
+        ++tally.floor;
+      } else {
+        ++tally.why[static_cast<size_t>(CellReason::occluded)];
+      }
+    }
+  }
+}
+
+double Occupancy::expected(const Inputs& in, const Box& box) const noexcept {
+  const double per_metre = (box.d_far + box.d_near) / 2 / in.view.baseline;  // px
+  return config_.map.cell * per_metre * object_of_step * config_.limit.max_height * per_metre;
+}
+
+int Occupancy::seen(int row, int column) const noexcept {
+  int sum = 0;
+  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r) sum += obstacles_[static_cast<size_t>(r * columns_ + column)];
+  return sum;
+}
+
+void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) const noexcept {
+  int8_t& value = occupancy.row<int8_t>(row)[column];
+  uint8_t& why = reason.row<uint8_t>(row)[column];
+  const auto say = [&](int is, CellReason because) {
+    value = static_cast<int8_t>(is);
+    why = static_cast<uint8_t>(because);
+  };
+  const Box where = box(in, row, column);
+  Tally tally;
+  look(in, where, tally);
+  const size_t cell = static_cast<size_t>(row * columns_ + column);
+  const int own = obstacles_[cell], around = seen(row, column);
+  int risk = 0;
+  if (own >= config_.map.minCount && 3 * own >= around && where.d_near > 0)
+    risk = static_cast<int>(100 * (1 - std::exp(-around / (share_for_e * std::max(expected(in, where), 1.0)))));
+  if (risk >= occupied) return say(risk, CellReason::obstacle);
+  const double all = std::max(tally.all, 1);
+  if (tally.floor >= least_floor * all && tally.all > 0) {
+    const int floor = static_cast<int>(40 * (1 - std::min(1.0, tally.floor / all / sure_floor)));
+    return say(std::max(floor, risk), CellReason::floor);
+  }
+  if (risk >= least_weak) return say(risk, CellReason::obstacle);
+  if (tally.below >= least_hole && tally.below >= least_below * all) return say(-1, CellReason::drop_off);
+  if (overhangs_[cell] >= config_.map.minCount && tally.all == 0) return say(-1, CellReason::overhang);
+  if (tally.all == 0) return say(-1, CellReason::out_of_view);
+  if (where.d_far > in.nearest) return say(-1, CellReason::too_near);
+  tally.why[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.below;
+  const auto most = std::max_element(tally.why.begin(), tally.why.end());
+  say(-1, static_cast<CellReason>(most - tally.why.begin()));
+}
+
+/// A hole is one where floor, or a hole, leads up to it; else its cells are hidden.
+void Occupancy::drop_offs(Image& occupancy, Image& reason) const noexcept {
+  for (int column = 0; column < columns_; ++column) {
+    int floor_ago = floor_leads + 1;
+    for (int row = rows_ - 1; row >= 0; --row) {
+      uint8_t& why = reason.row<uint8_t>(row)[column];
+      ++floor_ago;
+      if (why == static_cast<uint8_t>(CellReason::floor)) {
+        floor_ago = 0;
+      } else if (why == static_cast<uint8_t>(CellReason::drop_off)) {
+        if (floor_ago <= floor_leads) {
+          occupancy.row<int8_t>(row)[column] = 100;
+          floor_ago = 0;
+        } else {
+          why = static_cast<uint8_t>(CellReason::occluded);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace vdisp

@@ -1,0 +1,60 @@
+// occupancy.h: stages `occupancy` and `reason`: what each cell of the ground is, how sure that is, and why.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "config/config.h"
+#include "daemon/core/processor.h"
+#include "daemon/stages/ground_grid.h"
+#include "daemon/stages/local_floor.h"
+#include "daemon/stages/machine.h"
+
+namespace vdisp {
+
+/// Disparity, surface (gray8), obstacles and overhangs (disparity16), FloorModel and the left view to the map's grid twice: int8, -1 unknown, else
+/// 0..100; and gray8, the CellReason.
+///
+/// Obstacles: pixels that stand over a cell and its two neighbours ahead and behind, against those that an object of half max_height over the limit
+/// and a cell wide would give there, so that the same object counts the same at any range: 1 - exp(-seen / (0.24 expected)).
+/// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
+/// depth, something nearer (occluded), something under the floor (a hole), or no disparity and why. Joined: an obstacle beats floor; a hole
+/// counts where floor leads up to it; what is neither is unknown.
+class Occupancy final : public ImageProcessor {
+ public:
+  Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+
+ private:
+  static constexpr int most_samples = 6;  // of a cell, each way
+  struct Tally {
+    int all = 0, floor = 0, nearer = 0, below = 0;
+    std::array<int, cell_reasons> why{};
+  };
+  struct Inputs {
+    const Image &disparity, &surface, &left;
+    StereoView view;
+    LocalFloor floor;
+    PlanePose pose;
+    double nearest;  // true disparity, px, beyond which nothing is matched
+  };
+  struct Box {
+    double left, right, top, bottom, d_far, d_near;  // px
+  };
+  Box box(const Inputs& in, int row, int column) const noexcept;
+  void look(const Inputs& in, const Box& box, Tally& tally) const noexcept;
+  double expected(const Inputs& in, const Box& box) const noexcept;
+  int seen(int row, int column) const noexcept;
+  void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) const noexcept;
+  void drop_offs(Image& occupancy, Image& reason) const noexcept;
+
+  Machine& machine_;
+  const Config& config_;
+  kernels::GroundScratch scratch_;
+  std::vector<int16_t> all_limit_, obstacles_, overhangs_;  // limit that everything is above; counts by cell
+  int rows_ = 0, columns_ = 0;
+};
+
+}  // namespace vdisp

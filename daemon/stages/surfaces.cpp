@@ -1,0 +1,59 @@
+// surfaces.cpp: tables by disparity, then row by row.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/surfaces.h"
+
+#include <cmath>
+
+#include "daemon/stages/local_floor.h"
+#include "daemon/stages/projection.h"
+
+namespace vdisp {
+namespace {
+
+constexpr double hole_of_step = 0.75;  // what is this part of max_height under the floor is not floor any more
+constexpr int least_band = 32;         // rows
+
+}  // namespace
+
+std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
+  if (in.size() != 2) throw FormatError("takes the disparity and the floor model, was given " + std::to_string(in.size()) + " images");
+  require(in[0], Pixel::disparity16, "the disparity");
+  require(in[1], Pixel::record, "the floor model");
+  const size_t columns = 16 * static_cast<size_t>(config_.image_source.ndisp) + 64;
+  inverse_.assign(columns, 0.0f);
+  profile_.assign(columns, 0.0f);
+  const uint16_t width = in[0].width, height = in[0].height;
+  return {{Pixel::height16, 0, width, height}, {Pixel::gray8, 0, width, height}, {Pixel::disparity16, 0, width, height}, {Pixel::disparity16, 0, width, height}};
+}
+
+Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
+  const Image& disparity = *in[0];
+  const FloorModel& model = *in[1]->row<FloorModel>(0);
+  out[0]->reason = no_metres(disparity, model.pitch_rad);
+  if (out[0]->reason != Reason::none) return Outcome::invalid;
+  const StereoView view = stereo_view(disparity);
+  const LocalFloor floor(model, view);
+  const FloorPlane plane = floor.plane();
+  const kernels::Search search = search_of(disparity.camera, 16 * disparity.camera.disparities);
+  const double camera_mm = 1000 * model.height_m;
+  for (int column = search.least - search.first; column < search.columns; ++column) {
+    const double d = true_disparity(disparity.camera, column);
+    inverse_[static_cast<size_t>(column)] = static_cast<float>(camera_mm / d);
+    profile_[static_cast<size_t>(column)] = static_cast<float>(1000 * floor.elevation_of(d));
+  }
+  const double max_height = config_.limit.max_height;
+  for (Image* image : out) image->flags |= in[1]->flags & flag_held;
+  machine_.bands.run(disparity.spec.height, least_band, [&](int first, int last, int) {
+    kernels::HeightRow row{static_cast<float>(camera_mm), 0, static_cast<float>(plane.across), static_cast<float>(1000 * max_height),
+                           static_cast<float>(1000 * config_.limit.clearance), static_cast<float>(1000 * hole_of_step * max_height)};
+    for (int v = first; v < last; ++v) {
+      row.first = static_cast<float>(plane.at(0, v, view));
+      machine_.kernels.measure_heights(disparity.row<int16_t>(v), disparity.spec.width, search, row, {inverse_.data(), profile_.data()},
+                                       {out[0]->row<int16_t>(v), out[1]->row<uint8_t>(v), out[2]->row<int16_t>(v), out[3]->row<int16_t>(v),
+                                        height_unknown, rejected(Rejected::matcher)});
+    }
+  });
+  return Outcome::valid;
+}
+
+}  // namespace vdisp
