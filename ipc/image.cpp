@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "ipc/records.h"
+
 namespace vdisp {
 
 std::string_view name(Reason reason) {
@@ -16,6 +18,10 @@ std::string_view name(Reason reason) {
     case Reason::no_floor_line: return "no_floor_line";
     case Reason::no_pitch: return "no_pitch";
     case Reason::no_last_image: return "no_last_image";
+    case Reason::no_odometry: return "no_odometry";
+    case Reason::no_imu: return "no_imu";
+    case Reason::no_drive: return "no_drive";
+    case Reason::no_event: return "no_event";
     case Reason::count: break;
   }
   return "unknown";
@@ -31,7 +37,43 @@ std::string_view describe(Reason reason) {
     case Reason::no_floor_line: return "no line in the v-disparity between anglefloorMin and anglefloorMax";
     case Reason::no_pitch: return "angRot = auto, and no pitch was measured";
     case Reason::no_last_image: return "nothing was made of the last frame, or there was none";
+    case Reason::no_odometry: return "no odometry came in time";
+    case Reason::no_imu: return "nothing came in time from an IMU";
+    case Reason::no_drive: return "nobody told in time what the rover is to do";
+    case Reason::no_event: return "no event lately";
     case Reason::count: break;
+  }
+  return "a reason this version does not know";
+}
+
+std::string_view name(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::none: return "none";
+    case Refusal::not_finite: return "not_finite";
+    case Refusal::out_of_range: return "out_of_range";
+    case Refusal::backwards: return "backwards";
+    case Refusal::late: return "late";
+    case Refusal::ahead: return "ahead";
+    case Refusal::jump: return "jump";
+    case Refusal::other_sender: return "other_sender";
+    case Refusal::recorded: return "recorded";
+    case Refusal::count: break;
+  }
+  return "unknown";
+}
+
+std::string_view describe(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::none: return "none";
+    case Refusal::not_finite: return "NaN or infinite where a number is needed";
+    case Refusal::out_of_range: return "values that no rover has";
+    case Refusal::backwards: return "not newer than the sample before";
+    case Refusal::late: return "older than [control] maxAge";
+    case Refusal::ahead: return "from the future; the clock must be CLOCK_MONOTONIC";
+    case Refusal::jump: return "a jump, faster than [control] maxSpeed and maxTurn allow";
+    case Refusal::other_sender: return "another process sends the same already";
+    case Refusal::recorded: return "the source of the frames tells its own";
+    case Refusal::count: break;
   }
   return "a reason this version does not know";
 }

@@ -52,6 +52,10 @@ enum class Reason : uint32_t {
   no_floor_line,   ///< no line between anglefloorMin and anglefloorMax
   no_pitch,        ///< angRot = auto, and no pitch was measured
   no_last_image,   ///< a delayed input: nothing was made of the last frame, or this is the first
+  no_odometry,     ///< in/odometry: none came for [control] maxAge, or ever
+  no_imu,          ///< in/imu: likewise
+  no_drive,        ///< in/drive: likewise
+  no_event,        ///< in/event: likewise
   count            ///< number of reasons, not one of them
 };
 /// One word for files, one phrase for people.

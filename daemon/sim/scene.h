@@ -47,6 +47,8 @@ class Scene {
 
   const std::vector<SceneObject>& objects() const { return objects_; }
   CameraPose pose(uint64_t frame) const;
+  /// The place on the ground that carries the camera and the way the rover heads, in the odometry frame (REP-103).
+  Odometry rover(uint64_t frame) const;
   /// Rise of the slope per metre; it begins at z = slope_start.
   double rise() const { return rise_; }
   static constexpr double slope_start = 1;

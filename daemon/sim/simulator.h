@@ -45,6 +45,8 @@ class Simulator {
   virtual void render(uint64_t frame, std::byte* left, std::byte* right, size_t stride) noexcept = 0;
   /// Valid until the next call, which is cheap for the same frame. One call at a time.
   virtual const TruthView& truth(uint64_t frame) noexcept = 0;
+  /// Where the rover is, with the ground below its camera as its origin: x, y, z, roll, pitch, yaw of the record. At any time.
+  virtual Odometry rover(uint64_t frame) const noexcept = 0;
 };
 
 /// From frame to frame, ns; without a rate 1/30 s.

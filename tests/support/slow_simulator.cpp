@@ -19,6 +19,7 @@ class SlowSimulator final : public Simulator {
     for (std::byte* view : {left, right}) std::memset(view, static_cast<int>(frame) + 1, stride * height_);
   }
   const TruthView& truth(uint64_t) noexcept override { return truth_; }
+  Odometry rover(uint64_t) const noexcept override { return {}; }
 
  private:
   const size_t height_;

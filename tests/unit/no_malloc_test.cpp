@@ -25,9 +25,10 @@ TEST_P(NoMallocTest, the_loop_takes_nothing_from_the_heap_with_every_stage_on) {
   config.sim.height = 240;
   log::start(0);
   log::Edges edges(config, [] { return std::string_view(); });
+  Inputs inputs(config);
   Machine machine(2);
   Driver driver(1);
-  build_tree(driver, open_source(config), machine, config);
+  build_tree(driver, open_source(config), machine, config, inputs);
   driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
   driver.need_all();
   driver.set_viewer([&](const Topic& topic, const Image& image) { edges.see(topic, image); });
