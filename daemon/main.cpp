@@ -1,7 +1,6 @@
 // main.cpp: vdispd: options, the tree, shared memory, and the loop that drives it.
 // SPDX-License-Identifier: Apache-2.0
 #include <sysexits.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,8 +9,9 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "daemon/control/control.h"
+#include "daemon/control/command_socket.h"
 #include "daemon/core/clock.h"
+#include "daemon/core/pace.h"
 #include "daemon/dump.h"
 #include "daemon/failure.h"
 #include "daemon/log/edges.h"
@@ -64,7 +64,8 @@ class Run {
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
       if (options_.frames && driver_.steps() >= options_.frames) break;
-      wait_for_next(due);
+      wait_for_next(
+          due, stop_asked, [this] { return period_ns(); }, [this] { driver_.beat(), serve(); });
     }
   }
 
@@ -104,20 +105,7 @@ class Run {
     log::set_level(config_.main.debug);
   }
 
-  /// A frame that came too late is not caught up with: the next one is due a period from now.
-  void wait_for_next(int64_t& due) {
-    constexpr int64_t slice_ns = 50'000'000;  // the heartbeat goes on while a slow source is waited for
-    const int64_t last = due, start = monotonic_ns();
-    while (!stop_asked) {
-      const int64_t period = std::max<int64_t>(source_->period_ns(), config_.main.period * 1'000'000LL), now = monotonic_ns();
-      due = std::max(last + period, start - period);
-      if (now >= due) return;
-      const timespec pause{0, static_cast<long>(std::min(due - now, slice_ns))};
-      nanosleep(&pause, nullptr);
-      driver_.beat();
-      serve();
-    }
-  }
+  int64_t period_ns() const { return std::max<int64_t>(source_->period_ns(), config_.main.period * 1'000'000LL); }
 
   const Options& options_;
   Config& config_;  // changed between two frames only, by set and undo
@@ -127,7 +115,7 @@ class Run {
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
   std::optional<SharedMemory> shared_;
-  std::optional<Control> control_;
+  std::optional<CommandSocket> control_;
   std::optional<Dump> dump_;
 };
 

@@ -1,10 +1,10 @@
-// control.cpp: where the socket is, and what comes through it.
+// command_socket.cpp: where the socket is, and what comes through it.
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/control/control.h"
+#include "daemon/control/command_socket.h"
 
 namespace vdisp {
 
-Control::Control(Config& config, const std::filesystem::path& file, Inputs& inputs, const Inlet::Tell& tell) {
+CommandSocket::CommandSocket(Config& config, const std::filesystem::path& file, Inputs& inputs, const Inlet::Tell& tell) {
   std::string place;
   try {
     place = control_place(config.control.socket);
@@ -16,7 +16,7 @@ Control::Control(Config& config, const std::filesystem::path& file, Inputs& inpu
   inlet_ = std::make_unique<Inlet>(place, config.ipc.group, inputs, *parameters_, tell);
 }
 
-bool Control::serve(uint64_t sequence) noexcept {
+bool CommandSocket::serve(uint64_t sequence) noexcept {
   if (!inlet_) return false;
   const uint64_t before = parameters_->generation();
   inlet_->serve(sequence);

@@ -1,4 +1,4 @@
-// control.h: the control socket and what hangs on it, in one piece for the loop.
+// command_socket.h: the control socket and what hangs on it, in one piece for the loop.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace vdisp {
 
-class Control {
+class CommandSocket {
  public:
   /// `config` is what the stages read, `file` the vdisp.cfg it came from (empty: none). Without [control] socket a daemon that may make
   /// the socket nowhere runs without it, and tells so. Throws ControlError.
-  Control(Config& config, const std::filesystem::path& file, Inputs& inputs, const Inlet::Tell& tell);
+  CommandSocket(Config& config, const std::filesystem::path& file, Inputs& inputs, const Inlet::Tell& tell);
 
   /// Before each frame, and while one is waited for: takes what has come. `sequence` is the next frame's. True: the configuration has
   /// changed. No allocation, no wait.
