@@ -128,7 +128,7 @@ void LiveParameters::set(const ParameterMessage& message, Result& result) {
   complaint = change(changed, *row, message.value);
   if (!complaint.empty()) return refuse(Answer::refused, complaint);
   if (row->when == When::restart)
-    return refuse(Answer::needs_restart, row->name() + " takes effect at the next start: write it into vdisp.cfg and start vdispd again");
+    return refuse(Answer::needs_restart, row->name() + " needs a restart: write it into vdisp.cfg and start vdispd again");
   config_ = std::move(changed);
   if (steps_.size() == most_steps) steps_.erase(steps_.begin());
   steps_.push_back({row, before});

@@ -96,11 +96,10 @@ void RecordedOdometry::read_kitti(const std::string& file, const std::vector<std
   for (size_t i = 0; i < lines.size(); ++i) {
     std::istringstream stream(lines[i]);
     double m[12];
-    size_t count = 0;
+    int count = 0;  // of numbers; more than 12 where one is none
     for (std::string word; stream >> word; ++count)
-      if (count >= 12 || !parse(word, m[count]) || !std::isfinite(m[count])) break;
-    std::string rest;
-    if (count != 12 || stream >> rest) refuse(file, i + 1, "must be 12 numbers, a 3x4 matrix (KITTI), or the file a CSV");
+      if (count < 12 && (!parse(word, m[count]) || !std::isfinite(m[count]))) count = 12;
+    if (count != 12) refuse(file, i + 1, "must be 12 numbers, a 3x4 matrix (KITTI), or the file a CSV");
     poses_.push_back(rover_pose(m));
     poses_.back().timestamp_ns = static_cast<int64_t>(i);
   }

@@ -61,7 +61,7 @@ Work our_matcher(const Frames& frames, Setup setup) {
 template <class Matcher, class... Arguments>
 Work cv_matcher(const Frames& frames, Arguments... arguments) {
   return work_of(std::make_shared<PreparedTree>(Setup{}, frames.rectified, view_names, frames.calibration,
-                                                [=](Driver& driver, Source source, Machine&, const Config&) {
+                                                [=](Driver& driver, Source source, Machine&, const Config&, Inputs&) {
                                                   const auto in = driver.add_set(view_names, std::move(source), {}, Need::always);
                                                   driver.add("disparity", make_unique<Matcher>(arguments...), {in[0], in[1]}, Need::always);
                                                 }),
@@ -83,7 +83,7 @@ Contest rectify(const Frames& frames, const OurSide& side) {
   };
   contest.peer = [&frames](int) {
     return work_of(std::make_shared<PreparedTree>(Setup{}, frames.raw, raw_names, frames.calibration,
-                                                  [&frames](Driver& driver, Source source, Machine&, const Config&) {
+                                                  [&frames](Driver& driver, Source source, Machine&, const Config&, Inputs&) {
                                                     const auto in = driver.add_set(raw_names, std::move(source));
                                                     for (Side eye : {Side::left, Side::right})
                                                       driver.add(view_names[static_cast<size_t>(eye)],

@@ -89,8 +89,9 @@ TEST(RewrittenTest, the_shipped_file_reads_back_to_what_was_written) {
   std::ostringstream file;
   print_config(file, config);
   const std::string text = rewritten(file.str(), values);
-  for (const auto& [row, value] : values) EXPECT_NE(text.find("\n" + std::string(row->key) + " = " + value + "\n"), text.npos) << row->name();
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), std::count(file.str().begin(), file.str().end(), '\n') ) << "no line more or less";
+  for (const auto& [row, value] : values)
+    EXPECT_NE(text.find("\n" + std::string(row->key) + " = " + value + "\n"), text.npos) << row->name();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), std::count(file.str().begin(), file.str().end(), '\n')) << "no line more or less";
 }
 
 }  // namespace

@@ -174,7 +174,8 @@ TEST_F(InputsTest, gravity_tells_pitch_and_roll_in_the_projects_signs) {
 
 TEST_F(InputsTest, events_are_kept_newest_first_and_must_be_printable) {
   BufferOutlet to(record_spec<Events>());
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(inputs.take(event(start + i, ("event " + std::to_string(i)).c_str()), 1 + i % 2, start), Refusal::none);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(inputs.take(event(start + i, ("event " + std::to_string(i)).c_str()), 1 + i % 2, start), Refusal::none);
   EXPECT_EQ(inputs.take(event(start, ""), 1, start), Refusal::out_of_range);
   EXPECT_EQ(inputs.take(event(start, "line\nbreak"), 1, start), Refusal::out_of_range);
   EventMessage endless = event(start, "x");

@@ -54,7 +54,8 @@ TEST_F(RecordedOdometryTest, kitti_nose_down_is_positive_pitch_and_right_side_lo
   const double c = std::cos(0.2), s = std::sin(0.2);
   std::ostringstream text;
   text.precision(17);
-  text << "1 0 0 0 0 " << c << " " << s << " 0 0 " << -s << " " << c << " 0\n" << c << " " << -s << " 0 0 " << s << " " << c << " 0 0 0 0 1 0\n";
+  text << "1 0 0 0 0 " << c << " " << s << " 0 0 " << -s << " " << c << " 0\n"
+       << c << " " << -s << " 0 0 " << s << " " << c << " 0 0 0 0 1 0\n";
   const RecordedOdometry poses = file(text.str());
   EXPECT_NEAR(poses.at(0, 0, mounting).pitch, 0.2, 1e-12);
   EXPECT_NEAR(poses.at(1, 0, mounting).roll, 0.2, 1e-12);
