@@ -15,12 +15,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Waits for the time of line `number`, from 0. Time goes on from the first line, whatever its stamp.
+/// When lines are due, counted from the first one, which may have waited for a daemon.
 class Pace {
  public:
   explicit Pace(double rate) : rate_(rate) {}
-  void wait(const Samples::Line& line, uint64_t number) {
-    if (number == 0 && line.timestamp_ns) first_ns_ = *line.timestamp_ns;
+  void begin(const Samples::Line& first) {
+    start_ = Clock::now();
+    first_ns_ = first.timestamp_ns.value_or(0);
+  }
+  /// `number`: of the line, from 0.
+  void wait(const Samples::Line& line, uint64_t number) const {
+    if (number == 0) return;
     std::chrono::nanoseconds due{0};
     if (rate_ > 0) {
       due = std::chrono::nanoseconds(static_cast<int64_t>(static_cast<double>(number) * 1e9 / rate_));
@@ -33,7 +38,7 @@ class Pace {
 
  private:
   double rate_;
-  Clock::time_point start_ = Clock::now();
+  Clock::time_point start_;
   int64_t first_ns_ = 0;
 };
 
@@ -62,6 +67,7 @@ int send(const Options& options) {
     pace.wait(*line, sent);
     if (stopped()) break;
     require_done(control, options, [&] { return samples.send(control, *line, 0); });
+    if (sent == 0) pace.begin(*line);
     ++sent;
   }
   if (one_event) sent = 1;

@@ -1,4 +1,5 @@
-/* control_c.c: the control socket's C header, compiled as C and used: control_c SOCKET. Ends with the number of the first step that failed. */
+/* control_c.c: the control socket's C header, compiled as C and used: control_c SOCKET. Ends with the number of the first step that failed.
+ */
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "vdisp/control_c.h"
 
@@ -20,7 +21,8 @@ int main(int argc, char** argv) {
   if (vdisp_control_event(control, 0, "") != VDISP_CONTROL_REFUSED) return 5;
   if (vdisp_control_set(control, "thresh", "17") != VDISP_CONTROL_DONE) return 6;
   if (vdisp_control_get(control, "thresh", value, sizeof value) != VDISP_CONTROL_DONE || strcmp(value, "17") != 0) return 7;
-  if (vdisp_control_set(control, "thresh", "99") != VDISP_CONTROL_REFUSED || !strstr(vdisp_control_message(control), "from 0 to 40")) return 8;
+  if (vdisp_control_set(control, "thresh", "99") != VDISP_CONTROL_REFUSED || !strstr(vdisp_control_message(control), "from 0 to 40"))
+    return 8;
   if (vdisp_control_set(control, "nosuch", "1") != VDISP_CONTROL_UNKNOWN) return 9;
   if (vdisp_control_set(control, "ndisp", "64") != VDISP_CONTROL_NEEDS_RESTART) return 10;
   if (vdisp_control_undo(control) != VDISP_CONTROL_DONE || vdisp_control_undo(control) != VDISP_CONTROL_REFUSED) return 11;

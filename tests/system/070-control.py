@@ -73,8 +73,14 @@ class Control(ProgramTest):
     def input(self, kind="odometry"):
         return self.frame_of("left", f"in/{kind}")[kind]
 
-    def runs(self):
-        return json.loads(self.probe("stats", "--once", "--json"))
+    def wait_for_input(self, kind="odometry", **wanted):
+        """The record, as soon as it says so; what was sent is seen a frame later."""
+        found = {}
+        def told():
+            found.update(self.input(kind))
+            return all(found.get(key) == value for key, value in wanted.items())
+        self.assertTrue(wait_until(told), f"{wanted}: {found}")
+        return found
 
     def assert_no_frame_is_missed(self, work, seconds=3):
         """While work() goes on the daemon steps at its 30 Hz."""
@@ -195,66 +201,62 @@ class Control(ProgramTest):
 
     # what comes in
     def test_odometry_is_shown_ages_goes_blind_and_comes_back(self):
-        daemon = self.start()
+        daemon = self.start("--set", "control.maxAge=2")
         self.assertEqual(self.frame_of("left", "in/odometry")["stages"]["in/odometry"], {"valid": False, "reason": "no_odometry"})
         with connected() as client:
             for i in range(30):
                 client.send(odometry(0.02 * i, yaw=0.01 * i))
                 time.sleep(0.02)
-            found = self.input()
+            found = self.wait_for_input(accepted=30, refused=0)
             self.assertAlmostEqual(found["x"], 0.58)
             self.assertAlmostEqual(found["yaw"], 0.29)
-            self.assertEqual((found["accepted"], found["refused"]), (30, 0))
-            self.assertLess(found["age_s"], 0.5)
-            time.sleep(0.7)
+            self.assertGreater(found["age_s"], 0)
+            self.assertLess(found["age_s"], 2)
+            time.sleep(2.2)
             frame = self.frame_of("left", "in/odometry")
             self.assertEqual(frame["stages"]["in/odometry"]["reason"], "no_odometry")
             self.assertTrue(frame["valid"], "the frame is not blind for it")
             client.send(odometry(0.6))
-            self.assertEqual(self.input()["accepted"], 31)
+            self.wait_for_input(accepted=31, x=0.6)
         self.assertEqual(daemon.text().count("odometry lost"), 1, daemon.text())
 
     def test_bad_odometry_is_refused_counted_and_said_once(self):
-        daemon = self.start()
+        daemon = self.start("--set", "control.maxAge=5")
         with connected() as client:
             client.send(odometry(0))
-            for bad, why in ((odometry(NAN), "not_finite"), (odometry(1e9), "out_of_range"), (odometry(3), "jump"),
-                             (odometry(0, stamp=now() - 2_000_000_000), "late"), (odometry(0, stamp=now() + 10_000_000_000), "ahead"),
-                             (odometry(0, stamp=-(1 << 63)), "late")):
-                client.send(bad)
-                time.sleep(0.1)
-                self.assertEqual(self.input()["last_refusal"], why)
+            self.wait_for_input(accepted=1)
+            bad = ((odometry(NAN), "not_finite"), (odometry(1e9), "out_of_range"), (odometry(300), "jump"),
+                   (odometry(0, stamp=now() - 20_000_000_000), "late"), (odometry(0, stamp=now() + 1_000_000_000_000), "ahead"),
+                   (odometry(0, stamp=-(1 << 63)), "late"))
+            for number, (message_, why) in enumerate(bad):
+                client.send(message_)
+                self.wait_for_input(refused=number + 1, last_refusal=why)
             stamp = now()
             client.send(odometry(0, stamp=stamp))
             client.send(odometry(0, stamp=stamp - 1_000_000))
-            time.sleep(0.1)
-            found = self.input()
-            self.assertEqual((found["accepted"], found["refused"], found["last_refusal"]), (2, 7, "backwards"))
+            self.wait_for_input(accepted=2, refused=7, last_refusal="backwards")
             with connected() as other:
                 other.send(odometry(0))
-                time.sleep(0.1)
-                self.assertEqual(self.input()["last_refusal"], "other_sender")
+                self.wait_for_input(refused=8, last_refusal="other_sender")
             for _ in range(100):
                 client.send(odometry(NAN))
-            time.sleep(0.2)
-            self.assertEqual(self.input()["refused"], 108)
-        self.assertLess(daemon.text().count("odometry refused at"), 12, daemon.text())
+            self.wait_for_input(accepted=2, refused=108)
+        self.assertLess(daemon.text().count("odometry refused at"), 10, daemon.text())
 
     def test_imu_drive_and_events_come_by_the_probe(self):
-        self.start()
+        self.start("--set", "control.maxAge=20")
         lines = subprocess.Popen([BIN / "vdisp-probe", "send", "imu"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         self.addCleanup(lambda: (lines.stdin.close(), lines.wait()))
         lines.stdin.write("az,ax,ay\n9.61,-1.95,0\n")
         lines.stdin.flush()
-        self.assertTrue(wait_until(lambda: self.input("imu")["accepted"] == 1))
+        imu = self.wait_for_input("imu", accepted=1)
+        self.assertAlmostEqual(imu["pitch"], math.atan2(1.95, 9.61))  # nose down: up has a part to the back
         self.probe("send", "event", "collision, left")
-        events = self.input("event")
-        self.assertEqual((events["accepted"], events["labels"]), (1, ["collision, left"]))
+        self.wait_for_input("event", accepted=1, labels=["collision, left"])
         orders = self.folder / "drive.csv"
         orders.write_text("# speed and turn\n0.5,0.1\n0.4,-0.1\n")
         self.assertEqual(json.loads(self.probe("send", "drive", "--file", orders, "--json")), {"sent": 2})
-        drive = self.input("drive")
-        self.assertEqual((drive["accepted"], drive["speed"], drive["turn_rate"]), (2, 0.4, -0.1))
+        self.wait_for_input("drive", accepted=2, speed=0.4, turn_rate=-0.1)
         self.assertIn("line 2: speed = 'x'", run_with_input("1,2\nx,2\n", "send", "drive", code=66))
         self.assertIn("no such thing", run_with_input("", "send", "no such thing", code=64))
         self.assertIn("lacks the column yaw", run_with_input("x,y\n", "send", "odometry", code=66))
@@ -313,7 +315,7 @@ class Control(ProgramTest):
         self.assert_no_frame_is_missed(flood)
         self.assertIn("does not read its replies", daemon.text())
         self.assertIn("more than 64 messages a frame", daemon.text())
-        self.assertGreater(self.input()["accepted"], 1000)
+        self.assertTrue(wait_until(lambda: self.input()["accepted"] > 1000))
         self.probe("set", "thresh", "11")
         for client in idle:
             client.close()
@@ -428,7 +430,8 @@ class Control(ProgramTest):
     def test_the_c_library_sends_sets_and_says_what_is_wrong(self):
         self.start()
         self.assertEqual(run("vdisp-control-c").returncode, 0)
-        self.assertEqual([self.input(kind)["accepted"] for kind in ("odometry", "imu", "drive", "event")], [1, 1, 1, 1])
+        for kind in ("odometry", "imu", "drive", "event"):
+            self.wait_for_input(kind, accepted=1)
         result = run("vdisp-control-c", self.folder / "nobody")
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stdout, "nobody: No such file.*vdispd")
@@ -439,13 +442,13 @@ class Control(ProgramTest):
         self.addCleanup(lambda: (lines.stdin.close(), lines.wait(), lines.stdout.close()))
         lines.stdin.write("0,0,0\n")
         lines.stdin.flush()
-        self.assertTrue(wait_until(lambda: self.input()["accepted"] == 1))
+        self.wait_for_input(accepted=1)
         daemon.process.kill()
         daemon.process.wait()
-        self.start()
+        self.start("--set", "control.maxAge=20")
         lines.stdin.write("1,0,0\n")
         lines.stdin.flush()
-        self.assertTrue(wait_until(lambda: self.input().get("x") == 1))
+        self.wait_for_input(accepted=1, x=1)
 
     # recordings
     def test_the_simulators_odometry_is_its_way_bit_for_bit(self):

@@ -432,7 +432,7 @@ class Parameters(ProgramTest):
             self.assertTrue(wait_until(lambda: run("vdisp-probe", "get", "thresh", "--control", place).returncode == 0))
             self.assertEqual(run("vdisp-probe", "get", "thresh").returncode, 69)
 
-    def accepted(self, lines, *sets, pause=0.0):
+    def accepted(self, lines, *sets, pause):
         """What in/odometry says after poses were sent, 0.1 s from one to the next, and a pause."""
         Parameters.runs += 1
         folder = self.folder / f"run{Parameters.runs}"
@@ -448,11 +448,11 @@ class Parameters(ProgramTest):
 
     def test_control_maxSpeed(self):
         for speed, accepted in ((5, 1), (40, 2)):
-            self.assertEqual(self.accepted("0,0,0\n1.5,0,0\n", f"control.maxSpeed={speed}")["odometry"]["accepted"], accepted)
+            self.assertEqual(self.accepted("0,0,0\n1.5,0,0\n", f"control.maxSpeed={speed}", pause=0.3)["odometry"]["accepted"], accepted)
 
     def test_control_maxTurn(self):
         for turn, accepted in ((3, 1), (40, 2)):
-            self.assertEqual(self.accepted("0,0,0\n0,0,1.5\n", f"control.maxTurn={turn}")["odometry"]["accepted"], accepted)
+            self.assertEqual(self.accepted("0,0,0\n0,0,1.5\n", f"control.maxTurn={turn}", pause=0.3)["odometry"]["accepted"], accepted)
 
     def test_no_key_is_without_a_proof(self):
         section, missing = "", []
