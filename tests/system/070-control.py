@@ -11,6 +11,7 @@ import os
 import pathlib
 import pwd
 import re
+import shutil
 import socket
 import struct
 import subprocess
@@ -417,15 +418,41 @@ class Control(ProgramTest):
             daemon.process.send_signal(18)
 
     def test_members_of_the_group_may_connect_and_others_may_not(self):
-        group = grp.getgrnam("daemon").gr_name
-        nobody = pwd.getpwnam("nobody").pw_uid
-        self.start("--set", f"ipc.group={group}") if os.getgid() == 0 and group in [grp.getgrgid(g).gr_name for g in os.getgroups()] else self.start()
+        group, nobody = grp.getgrnam("daemon"), pwd.getpwnam("nobody").pw_uid
+        daemon = Running("vdispd", "--sim", *SMALL, "--set", "ipc.group=daemon", stdout=subprocess.DEVNULL, extra_groups=[group.gr_gid])
+        self.addCleanup(daemon.__exit__)
+        self.assertTrue(wait_until(lambda: "ready" in daemon.text()), daemon.text())
         binary = self.folder / "vdisp-probe"
-        binary.write_bytes((BIN / "vdisp-probe").read_bytes())
-        os.chmod(binary, 0o755)
+        shutil.copy(BIN / "vdisp-probe", binary)
         os.chmod(self.folder, 0o755)
-        result = subprocess.run([binary, "get", "thresh"], capture_output=True, text=True, user=nobody, group=nobody, extra_groups=[])
-        self.assert_refused(result, 77, "[ipc] group")
+
+        def ask(groups):
+            return subprocess.run([binary, "get", "thresh"], capture_output=True, text=True, user=nobody, group=nobody, extra_groups=groups)
+        self.assert_refused(ask([]), 77, "[ipc] group")
+        self.assertEqual(ask([group.gr_gid]).returncode, 0)
+        with connected():
+            self.assertEqual(pathlib.Path(SOCKET).stat().st_mode & 0o777, 0o660)
+
+    def test_a_user_who_may_make_the_socket_nowhere_is_told_and_the_daemon_runs(self):
+        nobody = pwd.getpwnam("nobody")
+        binaries = self.folder / "bin"
+        shutil.copytree(BIN, binaries, ignore=lambda folder, names: [n for n in names if n not in ("vdispd", "vdisp_sim.so")])
+        os.chmod(self.folder, 0o755)
+        os.chmod("/run", 0o755)
+        shutil.rmtree("/run/vdisp", ignore_errors=True)
+        environment = {name: value for name, value in os.environ.items() if name != "XDG_RUNTIME_DIR"}
+        options = {"capture_output": True, "text": True, "user": nobody.pw_uid, "group": nobody.pw_gid, "extra_groups": [], "env": environment}
+        command = [binaries / "vdispd", "--sim", *SMALL, "--frames", "3"]
+        result = subprocess.run(command, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("control socket: this user may not make /run/vdisp/control", result.stderr)
+        runtime = self.folder / "runtime"
+        runtime.mkdir()
+        os.chown(runtime, nobody.pw_uid, nobody.pw_gid)
+        options["env"] = {**environment, "XDG_RUNTIME_DIR": str(runtime)}
+        result = subprocess.run(command, **options)
+        self.assertNotIn("control socket", result.stderr)
+        self.assertTrue((runtime / "vdisp/control.lock").exists())
 
     def test_the_c_library_sends_sets_and_says_what_is_wrong(self):
         self.start()
