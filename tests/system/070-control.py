@@ -433,7 +433,8 @@ class Control(ProgramTest):
         with connected():
             self.assertEqual(pathlib.Path(SOCKET).stat().st_mode & 0o777, 0o660)
 
-    def test_a_user_who_may_make_the_socket_nowhere_is_told_and_the_daemon_runs(self):
+    def test_0_a_user_who_may_make_the_socket_nowhere_is_told_and_the_daemon_runs(self):
+        # The first test: a lock that root's daemon leaves behind would be in this user's way.
         nobody = pwd.getpwnam("nobody")
         binaries = self.folder / "bin"
         shutil.copytree(BIN, binaries, ignore=lambda folder, names: [n for n in names if n not in ("vdispd", "vdisp_sim.so")])

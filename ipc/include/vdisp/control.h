@@ -1,5 +1,5 @@
-// control.h: tells vdispd where the rover is and what happens to it, and sets its parameters. For odometry, IMU and motor programs; C in
-// control_c.h. SPDX-License-Identifier: Apache-2.0
+// control.h: tells vdispd where the rover is and what happens to it, and sets its parameters; C in control_c.h.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
