@@ -50,6 +50,7 @@ struct Config {
   limit_section limit;
   map_section map;
   ipc_section ipc;
+  control_section control;
   sim_section sim;
 
   bool automatic_pitch() const { return std::isnan(limit.angRot); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "config/quoting.h"
 
@@ -176,6 +177,15 @@ std::optional<std::string> Parameter::set(Config& config, std::string_view text)
   if (!good) return complaint(*this, text);
   if (key == "angRot") config.limit.angRot = config.map.angRot = std::get<double& (*)(Config&)>(field)(config);
   return std::nullopt;
+}
+
+void Parameter::exchange(Config& one, Config& other) const noexcept {
+  if (key == "angRot") {
+    std::swap(one.limit.angRot, other.limit.angRot);
+    std::swap(one.map.angRot, other.map.angRot);
+    return;
+  }
+  std::visit([&](auto at) { std::swap(at(one), at(other)); }, field);
 }
 
 std::span<const Section> sections() {

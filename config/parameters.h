@@ -44,6 +44,8 @@ struct Parameter {
   /// Takes what get() gives. Otherwise one line, what was found and what would be right, and `config` is unchanged.
   /// `angRot` is one value that stands in two sections: setting either sets both. Call check() when all is set.
   std::optional<std::string> set(Config& config, std::string_view text) const;
+  /// Swaps the value of both, angRot in both its sections: no allocation, for a running daemon.
+  void exchange(Config& one, Config& other) const noexcept;
 };
 
 /// In the order of schema.def.

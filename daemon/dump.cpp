@@ -4,6 +4,8 @@
 
 #include <sysexits.h>
 
+#include <fstream>
+
 namespace vdisp {
 namespace fs = std::filesystem;
 
@@ -38,6 +40,12 @@ void Dump::finish_frame(const Driver& driver, const std::pair<std::string, std::
   current_->finish(fs::path(files.first).filename(), fs::path(files.second).filename());
   current_.reset();
   ++frame_;
+}
+
+void write_graph(const Driver& driver, const std::string& name) {
+  std::ofstream file(name);
+  driver.write_dot(file);
+  if (!file.flush()) throw WriteError(EX_CANTCREAT, name + ": the tree cannot be written there");
 }
 
 }  // namespace vdisp

@@ -29,4 +29,7 @@ class Dump {
   std::optional<WriteError> failed_;
 };
 
+/// `--dot FILE`: the tree as a Graphviz graph. Throws WriteError.
+void write_graph(const Driver& driver, const std::string& file);
+
 }  // namespace vdisp

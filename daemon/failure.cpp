@@ -6,6 +6,7 @@
 
 #include <iostream>
 
+#include "daemon/control/inlet.h"
 #include "daemon/sources/source.h"
 #include "ipc/png.h"
 #include "ipc/shm.h"
@@ -26,6 +27,8 @@ int explain(std::exception_ptr failure) {
   } catch (const SourceError& error) {
     return say(error.exit_code, error.what());
   } catch (const ShmError& error) {
+    return say(error.exit_code, error.what());
+  } catch (const ControlError& error) {
     return say(error.exit_code, error.what());
   } catch (const WriteError& error) {
     return say(error.exit_code, error.what());

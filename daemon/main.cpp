@@ -1,17 +1,17 @@
 // main.cpp: vdispd: options, the tree, shared memory, and the loop that drives it.
 // SPDX-License-Identifier: Apache-2.0
 #include <sysexits.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "daemon/control/command_socket.h"
 #include "daemon/core/clock.h"
+#include "daemon/core/pace.h"
 #include "daemon/dump.h"
 #include "daemon/failure.h"
 #include "daemon/log/edges.h"
@@ -28,19 +28,19 @@ volatile std::sig_atomic_t stop_asked = 0;
 /// One run: everything is built in the constructor, which may throw; after it nothing allocates, but for the dump.
 class Run {
  public:
-  explicit Run(const Options& options)
+  explicit Run(Options& options)
       : options_(options),
         config_(options.config),
         edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
+        inputs_(config_),
         machine_(config_.main.threads, options.cpu),
         driver_(wall_clock_ns()) {
     cv::setNumThreads(config_.main.threads);
     log::debug("kernels for {}, threads: {}", machine_.level, machine_.bands.threads());
     auto source = open_source(config_);
     source_ = source.get();
-    period_ns_ = std::max<int64_t>(source->period_ns(), config_.main.period * 1'000'000LL);
-    build_tree(driver_, std::move(source), machine_, config_);
-    write_dot();
+    build_tree(driver_, std::move(source), machine_, config_, inputs_);
+    if (!options.dot.empty()) write_graph(driver_, options.dot);
     if (!options.dump.empty()) dump_.emplace(options.dump);
     publish();
     if (dump_) driver_.need_all();
@@ -54,6 +54,7 @@ class Run {
   void loop() {
     int64_t due = monotonic_ns();
     while (!stop_asked) {
+      serve();
       if (driver_.step() == Outcome::end) {
         if (!source_->fault().empty()) log::warn("{}", source_->fault());
         break;
@@ -63,9 +64,8 @@ class Run {
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
       if (options_.frames && driver_.steps() >= options_.frames) break;
-      // A frame that came too late is not caught up with: the next one is due a period from now.
-      due = std::max(due + period_ns_, monotonic_ns() - period_ns_);
-      wait_until(due);
+      wait_for_next(
+          due, stop_asked, [this] { return period_ns(); }, [this] { driver_.beat(), serve(); });
     }
   }
 
@@ -74,17 +74,11 @@ class Run {
     alarm(2);  // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
     log::stop();
+    control_.reset();
     if (shared_) SharedMemory::leave(exit_code);
   }
 
  private:
-  void write_dot() {
-    if (options_.dot.empty()) return;
-    std::ofstream file(options_.dot);
-    driver_.write_dot(file);
-    if (!file.flush()) throw WriteError(EX_CANTCREAT, options_.dot + ": the tree cannot be written there");
-  }
-
   void publish() {
     if (config_.main.middleware != "none") {
       TopicList topics;
@@ -97,34 +91,36 @@ class Run {
         log::warn("{}; this run only writes {}", error.what(), options_.dump);
       }
     }
+    if (shared_) control_.emplace(config_, options_.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
     driver_.connect([this](const std::string& topic, const ImageSpec& spec) -> std::unique_ptr<Outlet> {
       if (shared_) return shared_->outlet(topic, spec);
       return std::make_unique<BufferOutlet>(spec);
     });
   }
 
-  void wait_until(int64_t due) {
-    constexpr int64_t slice_ns = 50'000'000;  // the heartbeat goes on while a slow source is waited for
-    for (int64_t now = monotonic_ns(); now < due && !stop_asked; now = monotonic_ns()) {
-      const timespec pause{0, static_cast<long>(std::min(due - now, slice_ns))};
-      nanosleep(&pause, nullptr);
-      driver_.beat();
-    }
+  /// What came by the control socket, between two frames.
+  void serve() {
+    if (!control_ || !control_->serve(driver_.steps())) return;
+    driver_.set_config_generation(control_->generation());
+    log::set_level(config_.main.debug);
   }
 
+  int64_t period_ns() const { return std::max<int64_t>(source_->period_ns(), config_.main.period * 1'000'000LL); }
+
   const Options& options_;
-  const Config& config_;
+  Config& config_;  // changed between two frames only, by set and undo
   log::Edges edges_;
+  Inputs inputs_;
   Machine machine_;
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
-  int64_t period_ns_ = 0;
   std::optional<SharedMemory> shared_;
+  std::optional<CommandSocket> control_;
   std::optional<Dump> dump_;
 };
 
 int main(int argc, char** argv) {
-  const Parsed parsed = parse_options(argc, argv);
+  Parsed parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   for (int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { stop_asked = 1; });
   std::signal(SIGPIPE, SIG_IGN);

@@ -48,7 +48,8 @@ void print_memory(std::ostream& out, const Config& config) {
   try {
     Machine machine;
     Driver driver(0);
-    build_tree(driver, open_source(config), machine, config);
+    Inputs inputs(config);
+    build_tree(driver, open_source(config), machine, config, inputs);
     TopicList topics;
     for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
     std::ostringstream pools;
@@ -62,11 +63,12 @@ void print_memory(std::ostream& out, const Config& config) {
 }
 
 /// 0, or the exit code after all complaints have been said.
-int read(const std::string& file, std::vector<std::string> sets, bool sim, Config& config) {
+int read(const std::string& file, std::vector<std::string> sets, bool sim, Options& options) {
   if (sim) sets.push_back("image source.source=sim");
   std::error_code ignored;
   const bool installed = file.empty() && std::filesystem::exists(installed_config, ignored);
-  const Reading reading = read_config(installed ? installed_config : file, sets, config);
+  options.file = installed ? installed_config : file;
+  const Reading reading = read_config(options.file, sets, options.config);
   for (const Complaint& note : reading.notes) std::cerr << "vdispd: " << note << '\n';
   for (const Complaint& complaint : reading.complaints) std::cerr << complaint << '\n';
   return reading.exit_code;
@@ -111,7 +113,7 @@ Parsed parse_options(int argc, char** argv) {
     return parsed;
   }
 
-  const int exit_code = read(file, sets, sim, options.config);
+  const int exit_code = read(file, sets, sim, options);
   if (exit_code != 0 || check_only || print) parsed.exit_code = exit_code;
   if (exit_code == 0 && check_only) std::cout << (file.empty() ? "the configuration" : file) << ": nothing wrong\n";
   if (exit_code == 0 && print) {

@@ -13,6 +13,7 @@ namespace vdisp {
 
 struct Options {
   Config config;
+  std::string file;          ///< the vdisp.cfg it was read from; empty: none
   std::string dump;          ///< folder; empty: none
   std::string dot;           ///< file; empty: none
   std::string cpu = "auto";  ///< a level of kernels::levels(), or auto

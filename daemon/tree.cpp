@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/tree.h"
 
+#include "daemon/control/republish.h"
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/floor.h"
 #include "daemon/stages/height.h"
@@ -17,12 +18,14 @@
 
 namespace vdisp {
 
-void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& machine, const Config& config) {
+void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& machine, const Config& config, Inputs& inputs) {
   using std::make_unique;
   StereoSource& stereo = *source;
   const auto calibration = stereo.calibration();
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+  driver.add_set({std::begin(input_topics), std::end(input_topics)},
+                 make_unique<Republish>(inputs, [&stereo] { return stereo.odometry(); }), {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
   // The floor of the last frame tells the matcher where to expect this one's.

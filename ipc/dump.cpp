@@ -97,22 +97,26 @@ void FrameDump::add_file(const std::string& file, std::string_view bytes) {
 void FrameDump::add(std::string_view topic_view, const Image& image) {
   const std::string topic(topic_view);
   if (image.spec == record_spec<Catalogue>() || image.spec == record_spec<Heartbeat>()) return;
-  if (!json_->seen) {
+  // What comes in has a time and a state of its own: it says nothing of the frame.
+  const bool of_frame = !topic.starts_with("in/");
+  if (!json_->seen && of_frame) {
     json_->seen = true;
     json_->head = {{"sequence", image.sequence},
                    {"timestamp_ns", image.timestamp_ns},
                    {"files", nullptr},
                    {"valid", true},
                    {"reason", name(Reason::none)},
+                   {"config_generation", image.config_generation},
                    {"synthetic", (image.flags & flag_synthetic) != 0}};
   }
-  if (!image.valid() && json_->head["valid"] == true) {
+  if (of_frame && !image.valid() && json_->head["valid"] == true) {
     json_->head["valid"] = false;
     json_->head["reason"] = name(image.reason);
   }
   json_->stages[topic] = {{"valid", image.valid()}, {"reason", name(image.reason)}};
   if (image.spec == record_spec<FloorModel>()) json_->floor = floor_json(image);
   if (image.spec.pixel == Pixel::line16 && !image.valid()) add_file(topic + ".csv", line_csv_header);
+  if (!of_frame) json_->records[topic.substr(3)] = input_json(image);
   if (!image.valid()) return;
   if (const TruthScene* scene = record_of<TruthScene>(image)) json_->records["truth_scene"] = scene_json(*scene);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <string>
 
@@ -101,6 +102,52 @@ ordered_json scene_json(const TruthScene& scene) {
                     {"across", number(drop.across)},
                     {"left", {number(drop.left_x), number(drop.left_z)}},
                     {"right", {number(drop.right_x), number(drop.right_z)}}};
+  return json;
+}
+
+namespace {
+const InputTally* tally_of(const Image& image) {
+  if (const Odometry* odometry = record_of<Odometry>(image)) return &odometry->tally;
+  if (const Imu* imu = record_of<Imu>(image)) return &imu->tally;
+  if (const DriveOrder* drive = record_of<DriveOrder>(image)) return &drive->tally;
+  const Events* events = record_of<Events>(image);
+  return events ? &events->tally : nullptr;
+}
+}  // namespace
+
+ordered_json input_json(const Image& image) {
+  ordered_json json;
+  if (const InputTally* tally = tally_of(image))
+    json = {
+        {"accepted", tally->accepted}, {"refused", tally->refused}, {"last_refusal", name(tally->last_refusal)}, {"new", tally->in_step}};
+  if (!image.valid()) return json;
+  json["timestamp_ns"] = image.timestamp_ns;
+  const auto three = [](const double(&values)[3]) { return ordered_json{number(values[0]), number(values[1]), number(values[2])}; };
+  if (const Odometry* o = record_of<Odometry>(image)) {
+    json.update({{"age_s", number(o->age_s)},
+                 {"x", number(o->x)},
+                 {"y", number(o->y)},
+                 {"z", number(o->z)},
+                 {"roll", number(o->roll)},
+                 {"pitch", number(o->pitch)},
+                 {"yaw", number(o->yaw)},
+                 {"speed", number(o->speed)},
+                 {"turn_rate", number(o->turn_rate)},
+                 {"frame", o->frame}});
+  } else if (const Imu* i = record_of<Imu>(image)) {
+    json.update({{"age_s", number(i->age_s)},
+                 {"acceleration", three(i->acceleration)},
+                 {"rate", three(i->rate)},
+                 {"roll", number(i->roll)},
+                 {"pitch", number(i->pitch)}});
+  } else if (const DriveOrder* d = record_of<DriveOrder>(image)) {
+    json.update({{"age_s", number(d->age_s)}, {"speed", number(d->speed)}, {"turn_rate", number(d->turn_rate)}});
+  } else if (const Events* e = record_of<Events>(image)) {
+    json["age_s"] = number(e->age_s);
+    json["labels"] = ordered_json::array();
+    for (uint32_t n = 0; n < std::min(e->count, Events::capacity); ++n)
+      json["labels"].push_back(std::string(e->entries[n].label, strnlen(e->entries[n].label, sizeof e->entries[n].label)));
+  }
   return json;
 }
 

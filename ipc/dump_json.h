@@ -12,6 +12,8 @@ namespace vdisp {
 
 /// `floor`, of an image that holds a FloorModel. Blind, its bytes are those of some earlier frame: nothing of them is told.
 nlohmann::ordered_json floor_json(const Image& image);
+/// in/odometry, in/imu, in/drive or in/event. Blind, only what became of its messages is told.
+nlohmann::ordered_json input_json(const Image& image);
 nlohmann::ordered_json scene_json(const TruthScene& scene);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);
 nlohmann::ordered_json grid_json(const GridGeometry& grid);

@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "ipc/records.h"
+
 namespace vdisp {
 
 std::string_view name(Reason reason) {
@@ -21,6 +23,10 @@ std::string_view name(Reason reason) {
     case Reason::no_texture: return "no_texture";
     case Reason::no_matches: return "no_matches";
     case Reason::no_floor: return "no_floor";
+    case Reason::no_odometry: return "no_odometry";
+    case Reason::no_imu: return "no_imu";
+    case Reason::no_drive: return "no_drive";
+    case Reason::no_event: return "no_event";
     case Reason::count: break;
   }
   return "unknown";
@@ -41,7 +47,43 @@ std::string_view describe(Reason reason) {
     case Reason::no_texture: return "there is hardly any texture";
     case Reason::no_matches: return "there is texture, and hardly a match: something stands too near, or the views are no pair";
     case Reason::no_floor: return "no plane that could be the floor";
+    case Reason::no_odometry: return "no odometry came in time";
+    case Reason::no_imu: return "nothing came in time from an IMU";
+    case Reason::no_drive: return "nobody told in time what the rover is to do";
+    case Reason::no_event: return "no event lately";
     case Reason::count: break;
+  }
+  return "a reason this version does not know";
+}
+
+std::string_view name(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::none: return "none";
+    case Refusal::not_finite: return "not_finite";
+    case Refusal::out_of_range: return "out_of_range";
+    case Refusal::backwards: return "backwards";
+    case Refusal::late: return "late";
+    case Refusal::ahead: return "ahead";
+    case Refusal::jump: return "jump";
+    case Refusal::other_sender: return "other_sender";
+    case Refusal::recorded: return "recorded";
+    case Refusal::count: break;
+  }
+  return "unknown";
+}
+
+std::string_view describe(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::none: return "none";
+    case Refusal::not_finite: return "NaN or infinite where a number is needed";
+    case Refusal::out_of_range: return "values that no rover has";
+    case Refusal::backwards: return "not newer than the sample before";
+    case Refusal::late: return "older than [control] maxAge";
+    case Refusal::ahead: return "from the future; the clock must be CLOCK_MONOTONIC";
+    case Refusal::jump: return "a jump, faster than [control] maxSpeed and maxTurn allow";
+    case Refusal::other_sender: return "another process sends the same already";
+    case Refusal::recorded: return "the source of the frames tells its own";
+    case Refusal::count: break;
   }
   return "a reason this version does not know";
 }

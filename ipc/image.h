@@ -71,6 +71,10 @@ enum class Reason : uint32_t {
   no_texture,      ///< hardly a pixel has texture
   no_matches,      ///< texture, and hardly a match: blocked, nearer than can be seen, or not a pair
   no_floor,        ///< no plane that the floor could be
+  no_odometry,     ///< in/odometry: none came for [control] maxAge, or ever
+  no_imu,          ///< in/imu: likewise
+  no_drive,        ///< in/drive: likewise
+  no_event,        ///< in/event: likewise
   count            ///< number of reasons, not one of them
 };
 /// One word for files, one phrase for people.

@@ -38,6 +38,29 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub = add("stats", "Times, runs and drops of the stages, each second", stats);
   sub->add_flag("--once", options.once, "Print once and end");
   sub->add_flag("--json", options.json, "As JSON, one line a second");
+  const auto add_control = [&](const char* name, const char* help, int (*function)(const Options&)) {
+    CLI::App* word_app = add(name, help, function, false);
+    word_app->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")
+        ->type_name("PATH");
+    word_app->add_flag("--json", options.json, "As JSON");
+    return word_app;
+  };
+  sub = add_control("set", "Set a parameter of the running daemon; it takes effect between two frames", set);
+  sub->add_option("KEY", options.key, "SECTION.KEY, or KEY where one section has it")->required();
+  sub->add_option("VALUE", options.value, "As in vdisp.cfg")->required();
+  sub = add_control("get", "A parameter of the running daemon: value, default, range, help; without KEY all values", get);
+  sub->add_option("KEY", options.key, "SECTION.KEY, or KEY where one section has it");
+  add_control("save", "Write what was set into the vdisp.cfg that the daemon was started with", save);
+  add_control("undo", "Take the last set back", undo);
+  sub = add_control("send", "Send odometry, IMU samples, drive orders or events to the daemon, from CSV lines", send);
+  sub->add_option("KIND", options.key, "odometry, imu, drive or event")
+      ->required()
+      ->check(CLI::IsMember({"odometry", "imu", "drive", "event"}));
+  sub->add_option("LABEL", options.value, "event: the label; one event is sent at once");
+  sub->add_option("--file", options.input, "CSV, its first line may name the columns; without it standard input")->type_name("FILE");
+  sub->add_option("--rate", options.rate, "Lines a second; without it as timestamp_ns tells, or as they come")
+      ->check(CLI::Range(0.001, 100000.0))
+      ->type_name("HZ");
   sub = add("sheet", "All stages of one frame in one PNG file", sheet);
   sub->add_option("FILE", options.output, "PNG file to write")->required();
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 
 #include "ipc/dump.h"
 #include "ipc/records.h"
@@ -121,6 +122,54 @@ std::vector<std::string> scene_text(const TruthScene& scene) {
   return lines;
 }
 
+void add_tally(std::vector<std::string>& lines, const InputTally& tally) {
+  lines.push_back("accepted    " + std::to_string(tally.accepted));
+  lines.push_back("refused     " + std::to_string(tally.refused));
+  if (tally.last_refusal != Refusal::none) lines.push_back("last one    " + std::string(describe(tally.last_refusal)));
+}
+
+std::vector<std::string> odometry_text(const Odometry& o) {
+  constexpr double degrees = 180 / M_PI;
+  std::vector<std::string> lines{"x           " + or_dash("%.3f m", o.x),
+                                 "y           " + or_dash("%.3f m", o.y),
+                                 "yaw         " + or_dash("%.2f deg", o.yaw, degrees),
+                                 "z           " + or_dash("%.3f m", o.z),
+                                 "pitch       " + or_dash("%.2f deg", o.pitch, degrees),
+                                 "roll        " + or_dash("%.2f deg", o.roll, degrees),
+                                 "speed       " + or_dash("%.3f m/s", o.speed),
+                                 "turn rate   " + or_dash("%.3f rad/s", o.turn_rate),
+                                 "age         " + or_dash("%.3f s", o.age_s),
+                                 "frame       " + std::to_string(o.frame)};
+  add_tally(lines, o.tally);
+  return lines;
+}
+
+std::vector<std::string> imu_text(const Imu& imu) {
+  constexpr double degrees = 180 / M_PI;
+  const auto& a = imu.acceleration;
+  std::vector<std::string> lines{"pitch       " + or_dash("%.2f deg", imu.pitch, degrees),
+                                 "roll        " + or_dash("%.2f deg", imu.roll, degrees),
+                                 "acceleration" + or_dash(" %.2f", a[0]) + or_dash(" %.2f", a[1]) + or_dash(" %.2f m/s2", a[2]),
+                                 "age         " + or_dash("%.3f s", imu.age_s)};
+  add_tally(lines, imu.tally);
+  return lines;
+}
+
+std::vector<std::string> drive_text(const DriveOrder& drive) {
+  std::vector<std::string> lines{"speed       " + or_dash("%.3f m/s", drive.speed), "turn rate   " + or_dash("%.3f rad/s", drive.turn_rate),
+                                 "age         " + or_dash("%.3f s", drive.age_s)};
+  add_tally(lines, drive.tally);
+  return lines;
+}
+
+std::vector<std::string> events_text(const Events& events) {
+  std::vector<std::string> lines{"age         " + or_dash("%.3f s", events.age_s)};
+  for (uint32_t i = 0; i < std::min(events.count, Events::capacity); ++i)
+    lines.push_back(std::string(events.entries[i].label, strnlen(events.entries[i].label, sizeof events.entries[i].label)));
+  add_tally(lines, events.tally);
+  return lines;
+}
+
 }  // namespace
 
 std::string spec_words(const ImageSpec& spec) {
@@ -139,6 +188,10 @@ std::vector<std::string> record_text(const Image& image) {
   if (!image.valid()) return {"blind: " + std::string(describe(image.reason))};
   if (const FloorModel* floor = record_of<FloorModel>(image)) return floor_text(*floor);
   if (const TruthScene* scene = record_of<TruthScene>(image)) return scene_text(*scene);
+  if (const Odometry* odometry = record_of<Odometry>(image)) return odometry_text(*odometry);
+  if (const Imu* imu = record_of<Imu>(image)) return imu_text(*imu);
+  if (const DriveOrder* drive = record_of<DriveOrder>(image)) return drive_text(*drive);
+  if (const Events* events = record_of<Events>(image)) return events_text(*events);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
 }
 

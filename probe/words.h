@@ -23,6 +23,10 @@ struct Options {
   bool picture = false;             ///< dump: also as painted
   uint64_t frames = 1;              ///< dump
   std::filesystem::path output;     ///< dump: folder; sheet: file
+  std::string control;              ///< path of the control socket; empty: the usual places
+  std::string key, value;           ///< set, get: parameter; send: kind and label of an event
+  std::filesystem::path input;      ///< send: CSV; empty: standard input
+  double rate = 0;                  ///< send: lines a second; 0: as the lines say, or as they come
   std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show
 };
 
@@ -32,5 +36,10 @@ int dump(const Options& options);
 int map(const Options& options);
 int sheet(const Options& options);
 int stats(const Options& options);
+int set(const Options& options);
+int get(const Options& options);
+int save(const Options& options);
+int undo(const Options& options);
+int send(const Options& options);
 
 }  // namespace vdisp

@@ -187,6 +187,7 @@ Outcome Driver::run(Stage& stage) noexcept {
     if (!stage.in.empty()) image.describe_like(*stage.in[0]);
     image.sequence = steps_;
     image.epoch = epoch_;
+    image.config_generation = config_generation_;
     slots_[topic].image = stage.out[i] = &image;
   }
   Outcome outcome = Outcome::invalid;

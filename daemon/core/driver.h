@@ -60,6 +60,8 @@ class Driver {
   /// Gives each topic, and the driver's own `catalogue` and `heartbeat`, a way out. After this nothing allocates.
   /// Throws FormatError where what last() was asked for is not made, or is something else.
   void connect(const OutletFactory& outlet);
+  /// Of all images from the next step on.
+  void set_config_generation(uint64_t generation) noexcept { config_generation_ = generation; }
   /// Every stage runs in every step, watched or not.
   void need_all();
 
@@ -100,7 +102,7 @@ class Driver {
   const ImageSpec& spec_of(Handle input) const;
   std::string label(const Stage& stage) const;
 
-  uint64_t epoch_;
+  uint64_t epoch_, config_generation_ = 0;
   std::vector<Topic> topics_;
   std::vector<Slot> slots_;  // one for each topic
   std::vector<Stage> stages_;

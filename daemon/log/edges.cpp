@@ -54,7 +54,26 @@ void Edges::say_what_is_near(const FloorModel& model, const CameraGeometry& came
         model.height_m / std::tan(model.pitch_rad + below), depth);
 }
 
+/// Lost is said of what came once: most rovers have not all of it. Events come when they like.
+void Edges::incoming(Incoming& kind, const char* what, const InputTally& tally, const Image& image) {
+  if (tally.accepted > 0 && &kind != &event_) edge(kind.subject, what, {}, image);
+  if (tally.refused != kind.refused) {
+    if (!kind.refusing) warn("{} refused at frame {}: {}", what, image.sequence, describe(tally.last_refusal));
+    if (!kind.refusing) kind.refused_before = kind.refused;
+    kind.refusing = true;
+    kind.refused = tally.refused;
+    kind.refused_ns = image.ready_ns;
+  } else if (kind.refusing && image.ready_ns - kind.refused_ns > second) {
+    kind.refusing = false;
+    info("{} refused no more, after {} messages, the last one: {}", what, kind.refused - kind.refused_before, describe(tally.last_refusal));
+  }
+}
+
 void Edges::see(const Topic& topic, const Image& image) {
+  if (const Odometry* odometry = record_of<Odometry>(image)) return incoming(odometry_, "odometry", odometry->tally, image);
+  if (const Imu* imu = record_of<Imu>(image)) return incoming(imu_, "IMU", imu->tally, image);
+  if (const DriveOrder* drive = record_of<DriveOrder>(image)) return incoming(drive_, "drive", drive->tally, image);
+  if (const Events* events = record_of<Events>(image)) return incoming(event_, "event", events->tally, image);
   if (topic.name == "camera/left") {
     edge(camera_, "frames", fault_(), image);
     if (!told_near_) rows_ = image.spec.height;

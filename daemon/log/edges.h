@@ -11,8 +11,8 @@
 
 namespace vdisp::log {
 
-/// Looks at the images of a step before they are published: camera, floor, mounting. What changes faster than once a second is
-/// counted and told with the next line.
+/// Looks at the images of a step before they are published: camera, floor, mounting, what comes in. What changes faster than once a second
+/// is counted and told with the next line.
 class Edges {
  public:
   /// `fault` tells what is wrong with the pair at hand, more than the image's reason does; empty: nothing.
@@ -25,6 +25,14 @@ class Edges {
     int64_t since_ns = 0, told_ns = INT64_MIN / 2;
     int untold = 0;
   };
+  /// Of one kind of message that comes in.
+  struct Incoming {
+    Subject subject;
+    uint64_t refused = 0, refused_before = 0;  // told and not; when the refusals at hand began
+    int64_t refused_ns = 0;
+    bool refusing = false;
+  };
+  void incoming(Incoming& kind, const char* what, const InputTally& tally, const Image& image);
   void edge(Subject& subject, const char* what, std::string_view fault, const Image& image);
   void compare(const FloorModel& model, const Image& image);
   void say_what_is_near(const FloorModel& model, const CameraGeometry& camera);
@@ -32,6 +40,7 @@ class Edges {
   const Config& config_;
   std::function<std::string_view()> fault_;
   Subject camera_, floor_;
+  Incoming odometry_, imu_, drive_, event_;
   int rows_ = 0;  // of the images
   bool told_near_ = false;
   bool differs_ = false;

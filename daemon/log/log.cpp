@@ -26,6 +26,8 @@ class Priority final : public spdlog::custom_flag_formatter {
   std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Priority>(); }
 };
 
+constexpr spdlog::level::level_enum levels[] = {spdlog::level::err, spdlog::level::info, spdlog::level::debug, spdlog::level::trace};
+
 }  // namespace
 
 void start(int level) {
@@ -35,10 +37,11 @@ void start(int level) {
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
   formatter->add_flag<Priority>('*').set_pattern(std::getenv("JOURNAL_STREAM") ? "%*%v" : "vdispd: %v");
   logger->set_formatter(std::move(formatter));
-  constexpr spdlog::level::level_enum levels[] = {spdlog::level::err, spdlog::level::info, spdlog::level::debug, spdlog::level::trace};
   logger->set_level(levels[level]);
   spdlog::set_default_logger(std::move(logger));
 }
+
+void set_level(int level) { spdlog::default_logger_raw()->set_level(levels[level]); }
 
 void stop() { spdlog::shutdown(); }
 

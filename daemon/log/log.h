@@ -9,6 +9,8 @@ namespace vdisp::log {
 /// Starts the thread. `level`: [main] debug, 0 errors to 3 everything. Under systemd lines carry journald's priorities.
 /// While the ring is full the oldest lines are given up.
 void start(int level);
+/// From here on; any thread, no wait.
+void set_level(int level);
 /// Writes what is waiting and ends the thread. Before start() and after this nothing is logged.
 void stop();
 

@@ -118,6 +118,8 @@ class Renderer final : public Simulator {
     }
   }
 
+  Odometry rover(uint64_t frame) const noexcept override { return scene_.rover(frame); }
+
   const TruthView& truth(uint64_t frame) noexcept override {
     if (frame != truth_frame_) measure(frame);
     truth_frame_ = frame;

@@ -85,6 +85,21 @@ CameraPose Scene::pose(uint64_t frame) const {
   return pose;
 }
 
+Odometry Scene::rover(uint64_t frame) const {
+  const Station at = station(frame);
+  const Point down = turned(this->pose(frame).level, {0, 1, 0}), view{-std::sin(at.heading), 0, std::cos(at.heading)};
+  const double sunk = dot(view, down);
+  const Point ahead = unit({view.x - sunk * down.x, view.y - sunk * down.y, view.z - sunk * down.z}), right = cross(down, ahead);
+  Odometry pose{};
+  pose.x = at.z;
+  pose.y = -at.x;
+  pose.z = -ground(at.x, at.z);
+  pose.yaw = std::remainder(at.heading, 2 * M_PI);
+  pose.pitch = std::asin(ahead.y);
+  pose.roll = std::atan2(right.y, down.y);
+  return pose;
+}
+
 GroundPlane Scene::plane(const CameraPose& pose, double rise) const {
   if (ground_.meshed()) {
     const Point seen = turned_back(pose.axes, turned(pose.level, {0, 1, 0}));

@@ -60,6 +60,8 @@ class Simulator {
   virtual Place place(double x, double z) const noexcept = 0;
   /// Row of the ground `depth` m along the view in the column through the optical centre, of the same frame; it may lie outside.
   virtual double ground_row(double depth) const noexcept = 0;
+  /// Where the rover is, with the ground below its camera as its origin: x, y, z, roll, pitch, yaw of the record. At any time.
+  virtual Odometry rover(uint64_t frame) const noexcept = 0;
 };
 
 /// From frame to frame, ns; without a rate 1/30 s.

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "daemon/sources/pair_readers.h"
+#include "daemon/sources/recorded_odometry.h"
 
 namespace vdisp {
 namespace {
@@ -22,8 +23,9 @@ constexpr size_t surveyed = 10;      // good pairs that tell the size
 
 class FilesSource final : public StereoSource {
  public:
-  explicit FilesSource(const Config& config) : settings_(config.image_source) {
+  explicit FilesSource(const Config& config) : settings_(config.image_source), mounting_(config.mounting) {
     if (!settings_.paramfile.empty()) calibration_ = read_calibration(settings_.paramfile);
+    if (!settings_.odometry.empty()) way_.emplace(settings_.odometry);
   }
 
   std::vector<ImageSpec> open() override;
@@ -34,6 +36,7 @@ class FilesSource final : public StereoSource {
     return std::visit([](const auto& pairs) { return pairs.names(); }, pairs_);
   }
   std::string_view fault() const noexcept override { return fault_; }
+  const Odometry* odometry() const noexcept override { return way_ ? &pose_ : nullptr; }
 
  private:
   using Pairs = std::variant<ImagePairs, VideoPairs>;
@@ -49,12 +52,16 @@ class FilesSource final : public StereoSource {
   int64_t timestamp_ns() const;
 
   const image_source_section settings_;
+  const mounting_section& mounting_;  // live
   std::optional<Calibration> calibration_;
   Pairs pairs_{ImagePairs({})};
   ImageSpec spec_;
   double rate_ = default_rate;
   int64_t taken_ = 0;  ///< pairs since the start
   int64_t loops_ = 0;
+  std::optional<RecordedOdometry> way_;
+  Odometry pose_{};     ///< of the last pair
+  int64_t number_ = 0;  ///< of the next pair in the recording
   std::string fault_;
 };
 
@@ -136,6 +143,7 @@ PairRead FilesSource::next() {
 void FilesSource::rewind() {
   std::visit([](auto& pairs) { pairs.rewind(); }, pairs_);
   ++loops_;
+  number_ = 0;
 }
 
 int64_t FilesSource::timestamp_ns() const {
@@ -187,7 +195,13 @@ Outcome FilesSource::grab(std::span<Image* const> out) noexcept {
     image->set_blind(Reason::bad_pair);
     for (int y = 0; y < spec_.height; ++y) std::memset(image->row<uint8_t>(y), 0, spec_.width);
   }
+  if (way_) {
+    pose_ = way_->at(number_, timestamp_ns(), mounting_);
+    pose_.timestamp_ns = out[0]->timestamp_ns;
+    pose_.frame = static_cast<uint32_t>(loops_);  // the recording begins anew, and so does its odometry
+  }
   ++taken_;
+  ++number_;
   return good ? Outcome::valid : Outcome::invalid;
 }
 

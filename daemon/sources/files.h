@@ -8,7 +8,8 @@
 
 namespace vdisp {
 
-/// Reads the calibration at once, the recording at open(). Throws CalibrationError; open() throws SourceError.
+/// Reads calibration and odometry at once, the recording at open(). Throws CalibrationError and SourceError; open() SourceError.
+/// The configuration must outlive the source.
 std::unique_ptr<StereoSource> open_files(const Config& config);
 
 }  // namespace vdisp

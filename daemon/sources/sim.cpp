@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
@@ -54,6 +55,7 @@ class SimSource final : public StereoSource {
       for (Image* image : out) image->set_blind(Reason::no_frame);
       return Outcome::invalid;
     }
+    if (config_.sim.odometry) pose_ = rover_pose();
     for (size_t side = 0; side < 2; ++side) std::memcpy(out[side]->row<std::byte>(0), drawn_[side].data(), drawn_[side].size());
     ++frame_;
     ready_ = false;
@@ -64,9 +66,22 @@ class SimSource final : public StereoSource {
 
   std::optional<Calibration> calibration() const override { return simulator_->calibration(); }
   int64_t period_ns() const override { return config_.sim.rate > 0 ? sim::frame_period_ns(config_.sim) : 0; }
+  const Odometry* odometry() const noexcept override { return config_.sim.odometry ? &pose_ : nullptr; }
   void add_truth(Driver& driver, Handle camera) override { sim::add_truth_stages(driver, camera, *simulator_, config_); }
 
  private:
+  /// The scene's place is below the camera; [mounting] says where in the rover that is.
+  Odometry rover_pose() const noexcept {
+    Odometry pose = simulator_->rover(frame_);
+    const mounting_section& mounting = config_.mounting;
+    pose.x -= std::cos(pose.yaw) * mounting.x - std::sin(pose.yaw) * mounting.y;
+    pose.y -= std::sin(pose.yaw) * mounting.x + std::cos(pose.yaw) * mounting.y;
+    pose.timestamp_ns = static_cast<int64_t>(frame_) * sim::frame_period_ns(config_.sim);
+    pose.speed = pose.turn_rate = std::nan("");
+    pose.position_deviation = pose.yaw_deviation = 0;
+    return pose;
+  }
+
   void paint() noexcept {
     std::unique_lock lock(mutex_);
     while (true) {
@@ -89,6 +104,7 @@ class SimSource final : public StereoSource {
   // While ready_ the views belong to grab(), else to the painter.
   bool ready_ = false, ending_ = false;
   uint64_t frame_ = 0;
+  Odometry pose_{};  // of the last frame
   std::array<std::vector<std::byte>, 2> drawn_;
   std::thread painter_;
 };

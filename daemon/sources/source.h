@@ -27,6 +27,9 @@ class StereoSource : public ImageSource {
   /// What was wrong with the last pair, or why a recording ended early: file and what, in one line. Empty where nothing was.
   /// Valid until the next grab(); a good pair costs no allocation.
   virtual std::string_view fault() const noexcept { return {}; }
+  /// Where the rover was when the last pair was taken, for a source that knows: from open() on never null then, x NaN where this pair has
+  /// no pose. Header, age and tally are not filled in.
+  virtual const Odometry* odometry() const noexcept { return nullptr; }
   /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
   virtual void add_truth(Driver&, Handle) {}
 };

@@ -51,7 +51,7 @@ void add_back_end(Driver& driver, Handle disparity, Machine& machine, const Conf
 
 Work our_matcher(const Frames& frames, Setup setup) {
   return work_of(std::make_shared<PreparedTree>(std::move(setup), frames.rectified, view_names, frames.calibration,
-                                                [](Driver& driver, Source source, Machine& machine, const Config& c) {
+                                                [](Driver& driver, Source source, Machine& machine, const Config& c, Inputs&) {
                                                   const auto in = driver.add_set(view_names, std::move(source), {}, Need::always);
                                                   driver.add("disparity", make_unique<Disparity>(machine, c), {in[0], in[1]}, Need::always);
                                                 }),
@@ -61,7 +61,7 @@ Work our_matcher(const Frames& frames, Setup setup) {
 template <class Matcher, class... Arguments>
 Work cv_matcher(const Frames& frames, Arguments... arguments) {
   return work_of(std::make_shared<PreparedTree>(Setup{}, frames.rectified, view_names, frames.calibration,
-                                                [=](Driver& driver, Source source, Machine&, const Config&) {
+                                                [=](Driver& driver, Source source, Machine&, const Config&, Inputs&) {
                                                   const auto in = driver.add_set(view_names, std::move(source), {}, Need::always);
                                                   driver.add("disparity", make_unique<Matcher>(arguments...), {in[0], in[1]}, Need::always);
                                                 }),
@@ -72,7 +72,7 @@ Contest rectify(const Frames& frames, const OurSide& side) {
   Contest contest{"rectify", {6, 8}, {}, {}, {}};
   contest.ours = [&frames, side](int threads) {
     return work_of(std::make_shared<PreparedTree>(ours(threads, side, {}), frames.raw, raw_names, frames.calibration,
-                                                  [&frames](Driver& driver, Source source, Machine& machine, const Config& c) {
+                                                  [&frames](Driver& driver, Source source, Machine& machine, const Config& c, Inputs&) {
                                                     const auto in = driver.add_set(raw_names, std::move(source));
                                                     for (Side eye : {Side::left, Side::right})
                                                       driver.add(view_names[static_cast<size_t>(eye)],
@@ -83,7 +83,7 @@ Contest rectify(const Frames& frames, const OurSide& side) {
   };
   contest.peer = [&frames](int) {
     return work_of(std::make_shared<PreparedTree>(Setup{}, frames.raw, raw_names, frames.calibration,
-                                                  [&frames](Driver& driver, Source source, Machine&, const Config&) {
+                                                  [&frames](Driver& driver, Source source, Machine&, const Config&, Inputs&) {
                                                     const auto in = driver.add_set(raw_names, std::move(source));
                                                     for (Side eye : {Side::left, Side::right})
                                                       driver.add(view_names[static_cast<size_t>(eye)],
@@ -134,8 +134,8 @@ Contest tree(const std::string& name, const Frames& frames, int ndisp, const Our
   Contest contest{name, asked, asked, {}, {}};
   contest.ours = [&frames, side, own](int threads) {
     return work_of(std::make_shared<PreparedTree>(ours(threads, side, own), frames.raw, raw_names, frames.calibration,
-                                                  [](Driver& driver, Source source, Machine& machine, const Config& c) {
-                                                    build_tree(driver, std::move(source), machine, c);
+                                                  [](Driver& driver, Source source, Machine& machine, const Config& c, Inputs& inputs) {
+                                                    build_tree(driver, std::move(source), machine, c, inputs);
                                                   }),
                    "map");
   };
@@ -143,7 +143,7 @@ Contest tree(const std::string& name, const Frames& frames, int ndisp, const Our
     return work_of(
         std::make_shared<PreparedTree>(
             ours(threads, {}, {"image source.ndisp=" + std::to_string(ndisp)}), frames.raw, raw_names, frames.calibration,
-            [&frames, ndisp](Driver& driver, Source source, Machine& machine, const Config& c) {
+            [&frames, ndisp](Driver& driver, Source source, Machine& machine, const Config& c, Inputs&) {
               const auto in = driver.add_set(raw_names, std::move(source));
               const auto left = driver.add("left", make_unique<CvRectify>(Side::left, frames.calibration.value()), {in[0]});
               const auto right = driver.add("right", make_unique<CvRectify>(Side::right, frames.calibration.value()), {in[1]});
@@ -160,7 +160,7 @@ Contest back_end(const Frames& frames, const OurSide& side) {
   contest.ours = [&frames, side](int threads) {
     return work_of(std::make_shared<PreparedTree>(ours(threads, side, {}), disparities(frames, 48, Filters::all), Sets{"disparity"},
                                                   frames.calibration,
-                                                  [](Driver& driver, Source source, Machine& machine, const Config& c) {
+                                                  [](Driver& driver, Source source, Machine& machine, const Config& c, Inputs&) {
                                                     add_back_end(driver, driver.add("disparity", std::move(source)), machine, c);
                                                   }),
                    "map");

@@ -56,7 +56,7 @@ PreparedTree::PreparedTree(Setup setup, std::vector<Set> sets, std::vector<std::
       headers_.back().back()->image().describe_like(picture->image());
     }
   }
-  grow(driver_, std::make_unique<Source>(*this, std::move(calibration)), machine_, config_);
+  grow(driver_, std::make_unique<Source>(*this, std::move(calibration)), machine_, config_, inputs_);
   driver_.connect([&](const std::string& topic, const ImageSpec& spec) {
     const auto place = std::find(names.begin(), names.end(), topic);
     std::unique_ptr<Outlet> outlet;

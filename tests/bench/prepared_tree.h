@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "daemon/control/inputs.h"
 #include "daemon/sources/source.h"
 #include "daemon/stages/machine.h"
 #include "tests/bench/frames.h"
@@ -21,7 +22,7 @@ struct Setup {
 class PreparedTree {
  public:
   /// Adds stages behind the prepared images.
-  using Grow = std::function<void(Driver&, std::unique_ptr<StereoSource>, Machine&, const Config&)>;
+  using Grow = std::function<void(Driver&, std::unique_ptr<StereoSource>, Machine&, const Config&, Inputs&)>;
   /// `names` are the source's topics, as many as a set has images. What grow() adds has to take the source as its first stage.
   PreparedTree(Setup setup, std::vector<Set> sets, std::vector<std::string> names, std::optional<Calibration> calibration,
                const Grow& grow);
@@ -39,6 +40,7 @@ class PreparedTree {
   class Source;
   class Rotating;
   Config config_;
+  Inputs inputs_{config_};
   Machine machine_;
   std::vector<Set> sets_;
   std::vector<std::vector<std::unique_ptr<Picture>>> headers_;  // what the driver clears when it loans a prepared image

@@ -21,6 +21,7 @@ class SlowSimulator final : public Simulator {
   const TruthView& truth(uint64_t) noexcept override { return truth_; }
   Place place(double, double) const noexcept override { return {}; }
   double ground_row(double) const noexcept override { return 0; }
+  Odometry rover(uint64_t) const noexcept override { return {}; }
 
  private:
   const size_t height_;

@@ -11,7 +11,7 @@ import time
 import cv2
 import numpy
 
-from programs import ProgramTest, Running, isolated_main, run, wait_until
+from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
 
 # A small scene with everything in it: ground, obstacles near and far, noise.
 BASE = ["main.middleware=none", "main.debug=0", "image source.source=sim", "sim.scene=flat", "sim.seed=3", "sim.width=320",
@@ -455,6 +455,51 @@ class Parameters(ProgramTest):
 
     def test_sim_texture(self):
         self.rises("sim.texture", [0, 0.5, 1], lambda d: d.picture("camera/left")[150:].std(), "sim.noise=0", "sim.scene=empty")
+
+    def test_sim_odometry(self):
+        blind, told = (self.dump(f"sim.odometry={value}", "sim.scene=drive", frames=3) for value in ("no", "yes"))
+        self.assertEqual(blind.json["stages"]["in/odometry"]["reason"], "no_odometry")
+        self.assertTrue(told.valid("in/odometry"))
+        self.assertNotEqual(told.json["odometry"]["x"], 0)
+
+    def test_image_source_odometry(self):
+        poses = self.folder / "poses.csv"
+        poses.write_text("frame,x,y,yaw\n0,0,0,0\n1,0.5,0.25,0.1\n")
+        told = self.files(*self.pairs(), f"image source.odometry={poses}", frames=2).json["odometry"]
+        self.assertEqual((told["x"], told["y"], told["yaw"]), (0.5, 0.25, 0.1))
+        self.assertFalse(self.files(*self.pairs(), f"image source.odometry={poses}", frames=3).valid("in/odometry"))
+        poses.write_text("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 3\n")
+        told = self.files(*self.pairs(), f"image source.odometry={poses}", frames=2).json["odometry"]
+        self.assertEqual((told["x"], told["y"]), (3, -2))
+
+    # [control]
+    def test_control_socket(self):
+        place = self.folder / "door"
+        with Running("vdispd", "--sim", "--set", f"control.socket={place}"):
+            self.assertTrue(wait_until(lambda: run("vdisp-probe", "get", "thresh", "--control", place).returncode == 0))
+            self.assertEqual(run("vdisp-probe", "get", "thresh").returncode, 69)
+
+    def accepted(self, lines, *sets, pause):
+        """What in/odometry says after poses were sent, 0.1 s from one to the next, and a pause."""
+        Parameters.runs += 1
+        folder = self.folder / f"run{Parameters.runs}"
+        with Running("vdispd", "--sim", *[word for item in ("sim.width=160", "sim.height=120", "image source.ndisp=32", *sets) for word in ("--set", item)]):
+            subprocess.run([BIN / "vdisp-probe", "send", "odometry", "--rate", "10", "--wait", "10"], input=lines, text=True, check=True, stdout=subprocess.DEVNULL)
+            time.sleep(pause)
+            self.assertEqual(run("vdisp-probe", "dump", folder, "--once", "left", "in/odometry").returncode, 0)
+        return self.frame(folder, 0)
+
+    def test_control_maxAge(self):
+        self.assertEqual(self.accepted("0,0,0\n", "control.maxAge=0.2", pause=0.5)["stages"]["in/odometry"]["reason"], "no_odometry")
+        self.assertTrue(self.accepted("0,0,0\n", "control.maxAge=20", pause=0.5)["stages"]["in/odometry"]["valid"])
+
+    def test_control_maxSpeed(self):
+        for speed, accepted in ((5, 1), (40, 2)):
+            self.assertEqual(self.accepted("0,0,0\n1.5,0,0\n", f"control.maxSpeed={speed}", pause=0.3)["odometry"]["accepted"], accepted)
+
+    def test_control_maxTurn(self):
+        for turn, accepted in ((3, 1), (40, 2)):
+            self.assertEqual(self.accepted("0,0,0\n0,0,1.5\n", f"control.maxTurn={turn}", pause=0.3)["odometry"]["accepted"], accepted)
 
     def test_no_key_is_without_a_proof(self):
         section, missing = "", []

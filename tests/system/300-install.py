@@ -72,7 +72,7 @@ class Install(unittest.TestCase):
                      "share/man/man5/vdisp.cfg.5", "etc/vdisp/vdisp.cfg"):
             self.assertTrue((self.prefix / name).is_file(), name)
         headers = {path.name for path in (self.prefix / "include/vdisp").iterdir()}
-        self.assertEqual(headers, {"client.h", "client_c.h", "image.h", "records.h"})
+        self.assertEqual(headers, {"client.h", "client_c.h", "command.h", "control.h", "control_c.h", "image.h", "records.h"})
 
     def test_an_operators_configuration_is_never_written_over(self):
         mine = self.prefix / "etc/vdisp/vdisp.cfg"
@@ -84,11 +84,11 @@ class Install(unittest.TestCase):
 
     def test_each_header_compiles_alone_in_the_tree_and_installed(self):
         for include in (self.prefix / "include", ROOT / "ipc/include"):
-            for name in ("client.h", "client_c.h", "image.h", "records.h"):
+            for name in ("client.h", "client_c.h", "command.h", "control.h", "control_c.h", "image.h", "records.h"):
                 source = f"#include <vdisp/{name}>\n"
                 self.call("g++", "-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{include}", "-xc++", "-", input=source)
             self.call("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{include}", "-xc", "-",
-                      input="#include <vdisp/client_c.h>\n")
+                      input="#include <vdisp/client_c.h>\n#include <vdisp/control_c.h>\n")
 
     def test_find_package_builds_a_planner(self):
         (self.folder / "CMakeLists.txt").write_text(PROJECT)
@@ -107,7 +107,7 @@ class Install(unittest.TestCase):
         names = self.call("nm", "-DC", "--defined-only", self.pc.parent.parent / "libvdisp.so").stdout.splitlines()
         names = [name.split(maxsplit=2)[2] for name in names]
         self.assertIn("vdisp_open", names)
-        allowed = ("vdisp_", "vdisp::Client::", "vdisp::Image::", "vdisp::name(", "vdisp::describe(", "vdisp::pixel_bytes(")
+        allowed = ("vdisp_", "vdisp::Client::", "vdisp::Image::", "vdisp::Control::", "vdisp::exit_code(", "vdisp::name(", "vdisp::describe(", "vdisp::pixel_bytes(")
         self.assertEqual([name for name in names if not name.startswith(allowed)], [])
 
     def test_the_installed_planner_refuses_wrong_words_and_outlives_a_missing_daemon(self):

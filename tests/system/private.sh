@@ -1,4 +1,4 @@
-# private.sh: sourced first by each system test: its own /tmp and /dev/shm, so that RouDis do not meet. BIN is the folder of the programs.
+# private.sh: sourced first by each system test: its own /tmp, /dev/shm and /run, so that daemons do not meet. BIN is the folder of the programs.
 # SPDX-License-Identifier: Apache-2.0
 # Ends the test with 77 (skipped) where mount namespaces are not permitted.
 if [ -z "$VDISP_PRIVATE" ]; then
@@ -9,7 +9,7 @@ if [ -z "$VDISP_PRIVATE" ]; then
   VDISP_PRIVATE=1 exec unshare -m bash "$0" "$@"
 fi
 BIN=$1
-mount --make-rprivate / && mount -t tmpfs -o mode=1777 none /dev/shm && mount -t tmpfs -o mode=1777 none /tmp || exit 77
+mount --make-rprivate / && mount -t tmpfs -o mode=1777 none /dev/shm && mount -t tmpfs -o mode=1777 none /tmp && mount -t tmpfs -o mode=755 none /run || exit 77
 WORK=/tmp/work && mkdir $WORK && cp "$BIN"/vdisp-* "$BIN"/vdispd "$BIN"/vdisp_sim.so $WORK && chmod -R a+rx $WORK && BIN=$WORK  # also for users who cannot see the build
 trap 'kill -9 $(jobs -p) 2>/dev/null; wait 2>/dev/null' EXIT
 # The daemon itself, small and at 30 Hz; a test may put more options behind these.

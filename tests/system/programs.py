@@ -1,4 +1,4 @@
-"""programs.py: runs the real programs for the system tests, each test in a mount namespace with its own /tmp and /dev/shm.
+"""programs.py: runs the real programs for the system tests, each test in a mount namespace with its own /tmp, /dev/shm and /run.
 
 SPDX-License-Identifier: Apache-2.0
 """
@@ -20,9 +20,9 @@ SKIPPED = 77
 
 
 def isolated_main():
-    """Runs the unit tests of the calling script with private /tmp and /dev/shm: there is one RouDi on a machine."""
+    """Runs the unit tests of the calling script with private /tmp, /dev/shm and /run: there is one daemon on a machine."""
     if "VDISP_ISOLATED" not in os.environ:
-        mount = "mount -t tmpfs none /dev/shm && mount -t tmpfs none /tmp"
+        mount = "mount -t tmpfs none /dev/shm && mount -t tmpfs none /tmp && mount -t tmpfs none /run"
         probe = subprocess.run(["unshare", "-m", "sh", "-c", mount], capture_output=True)
         if probe.returncode:
             print("SKIPPED: a private mount namespace is not permitted here:", probe.stderr.decode().strip())

@@ -13,6 +13,7 @@ namespace {
 struct TreeTest : testing::Test {
   Config config;
   Machine machine;
+  Inputs inputs{config};
   Driver driver{1};
   std::map<std::string, BufferOutlet*> outlets;
 
@@ -21,7 +22,7 @@ struct TreeTest : testing::Test {
     config.sim.rate = 0;
   }
   void build() {
-    build_tree(driver, open_source(config), machine, config);
+    build_tree(driver, open_source(config), machine, config, inputs);
     driver.connect([this](const std::string& topic, const ImageSpec& spec) {
       auto outlet = std::make_unique<BufferOutlet>(spec);
       outlets[topic] = outlet.get();

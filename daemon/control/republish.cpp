@@ -1,0 +1,41 @@
+// republish.cpp: the newest samples as records, once a step.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/control/republish.h"
+
+#include <cmath>
+
+#include "daemon/core/clock.h"
+
+namespace vdisp {
+
+std::vector<ImageSpec> Republish::check(std::span<const ImageSpec> in) {
+  if (!in.empty()) throw FormatError("takes no input, was given " + std::to_string(in.size()));
+  if (recorded_()) inputs_.refuse_odometry();
+  return {record_spec<Odometry>(), record_spec<Imu>(), record_spec<DriveOrder>(), record_spec<Events>()};
+}
+
+Outcome Republish::process(std::span<const Image* const>, std::span<Image* const> out) noexcept {
+  const int64_t now = monotonic_ns();
+  inputs_.write_odometry(*out[0], now);
+  inputs_.write_imu(*out[1], now);
+  inputs_.write_drive(*out[2], now);
+  inputs_.write_events(*out[3], now);
+  const Odometry* recorded = recorded_();
+  if (!recorded) return Outcome::valid;
+  // In lock-step with the frames: the same from run to run.
+  Image& image = *out[0];
+  Odometry& record = *image.row<Odometry>(0);
+  const RecordHeader header = record.header;
+  const InputTally tally = record.tally;
+  record = *recorded;
+  record.header = header;
+  record.tally = tally;
+  image.timestamp_ns = recorded->timestamp_ns;
+  image.flags |= flag_synthetic;
+  image.state = ImageState::valid;
+  image.reason = Reason::none;
+  if (std::isnan(recorded->x)) image.set_blind(Reason::no_odometry);
+  return Outcome::valid;
+}
+
+}  // namespace vdisp

@@ -1,0 +1,30 @@
+// republish.h: the stage that shows the tree what came in: in/odometry, in/imu, in/drive, in/event.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "daemon/control/inputs.h"
+#include "daemon/core/processor.h"
+
+namespace vdisp {
+
+inline constexpr const char* input_topics[] = {"in/odometry", "in/imu", "in/drive", "in/event"};
+
+/// No input, four records. It never makes a step blind: what is missing is blind itself.
+/// Images carry the time of the newest sample, not of the frame.
+class Republish final : public ImageProcessor {
+ public:
+  /// What the source knows of the pair at hand; null: this source tells no odometry, the socket may.
+  using Recorded = std::function<const Odometry*()>;
+  Republish(Inputs& inputs, Recorded recorded) : inputs_(inputs), recorded_(std::move(recorded)) {}
+
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+
+ private:
+  Inputs& inputs_;
+  Recorded recorded_;
+};
+
+}  // namespace vdisp
