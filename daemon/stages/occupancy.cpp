@@ -12,11 +12,15 @@ constexpr double object_of_step = 0.5;   // the least object is this part of max
 constexpr double share_for_e = 0.24;     // pixels seen, of those expected, for 1 - 1 / e
 constexpr int occupied = 65;             // from here on a cell is an obstacle
 constexpr int least_weak = 50;           // what is less, and not on floor, is not told
-constexpr double least_floor = 0.25, sure_floor = 0.6, least_below = 0.4;  // of what a cell shows
+constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
+constexpr double uneven_of_step = 0.4;   // a cell's floor may be this part of max_height lower than the local floor
+constexpr double hole_of_step = 0.75;    // what is this part of max_height lower than the floor would go on is a drop-off
 constexpr int least_hole = 4;            // samples
 constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
 constexpr int dark = 14, bright = 250;   // grey levels
-constexpr int floor_leads = 4;           // cells: floor no farther than this before a hole leads up to it
+constexpr int floor_leads = 3;           // cells: floor no farther than this before a drop-off leads up to it
+constexpr int slope_cells = 5;           // that the ground's slope before a drop-off is taken from
+constexpr int edge_cells = 2;            // of a drop-off that are told; what lies behind is hidden
 
 CellReason reason_of(uint8_t code) {
   switch (static_cast<Rejected>(code)) {
@@ -34,20 +38,22 @@ CellReason reason_of(uint8_t code) {
 }  // namespace
 
 std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
-  if (in.size() != 6) throw FormatError("takes disparity, surface, obstacles, overhangs, floor model and left view, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 7) throw FormatError("takes disparity, surface, height, obstacles, overhangs, floor model and left view, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::disparity16, "the disparity");
   require(in[1], Pixel::gray8, "the surface");
-  require(in[2], Pixel::disparity16, "the obstacles");
-  require(in[3], Pixel::disparity16, "the overhangs");
-  require(in[4], Pixel::record, "the floor model");
-  require(in[5], Pixel::gray8, "the left view");
-  for (size_t i : {1u, 2u, 3u, 5u}) require_same_size(in[0], in[i]);
+  require(in[2], Pixel::height16, "the height");
+  require(in[3], Pixel::disparity16, "the obstacles");
+  require(in[4], Pixel::disparity16, "the overhangs");
+  require(in[5], Pixel::record, "the floor model");
+  require(in[6], Pixel::gray8, "the left view");
+  for (size_t i : {1u, 2u, 3u, 4u, 6u}) require_same_size(in[0], in[i]);
   rows_ = grid_rows(config_);
   columns_ = grid_columns(config_);
   const size_t disparities = 16 * static_cast<size_t>(config_.image_source.ndisp);
   all_limit_.assign(disparities, INT16_MAX);
   obstacles_.assign(static_cast<size_t>(rows_) * static_cast<size_t>(columns_), 0);
   overhangs_ = obstacles_;
+  beyond_.assign(obstacles_.size(), Beyond{});
   scratch_ = kernels::GroundScratch(in[0].width, static_cast<int>(disparities));
   const ImageSpec grid{Pixel::int8, 0, static_cast<uint16_t>(columns_), static_cast<uint16_t>(rows_)};
   return {grid, {Pixel::gray8, 0, grid.width, grid.height}};
@@ -55,20 +61,21 @@ std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
 
 Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Image& disparity = *in[0];
-  const FloorModel& model = *in[4]->row<FloorModel>(0);
+  const FloorModel& model = *in[5]->row<FloorModel>(0);
   out[0]->reason = no_metres(disparity, model.pitch_rad);
   if (out[0]->reason != Reason::none) return Outcome::invalid;
   const StereoView view = stereo_view(disparity);
   const Inputs inputs{disparity,
                       *in[1],
-                      *in[5],
+                      *in[2],
+                      *in[6],
                       view,
                       LocalFloor(model, view),
                       {model.pitch_rad, model.roll_rad, model.height_m},
                       disparity.camera.min_disparity + disparity.camera.disparities - 1 - view.cx_offset};
   for (Image* image : out) {
     image->grid = grid_geometry(config_, disparity, model.pitch_rad);
-    image->flags |= in[4]->flags & flag_held;
+    image->flags |= in[5]->flags & flag_held;
   }
   const kernels::Ground ground = ground_of(config_, disparity, model.pitch_rad, model.roll_rad);
   const kernels::Search search = search_of(disparity.camera, static_cast<int>(all_limit_.size()));
@@ -76,12 +83,13 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
     std::fill(cells.begin(), cells.end(), int16_t{0});
     machine_.kernels.count_cells(plane<int16_t>(pixels), search, all_limit_.data(), ground, {cells.data(), columns_, rows_, columns_}, scratch_);
   };
-  count(*in[2], obstacles_);
-  count(*in[3], overhangs_);
+  count(*in[3], obstacles_);
+  count(*in[4], overhangs_);
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) judge(inputs, row, column, *out[0], *out[1]);
   }
-  drop_offs(*out[0], *out[1]);
+  shade(inputs, *out[0], *out[1]);
+  drop_offs(inputs, *out[0], *out[1]);
   return Outcome::valid;
 }
 
@@ -104,15 +112,16 @@ Occupancy::Box Occupancy::box(const Inputs& in, int row, int column) const noexc
 }
 
 void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexcept {
-  const int width = in.disparity.spec.width, height = in.disparity.spec.height;
-  const double left = std::max(box.left, 0.0), right = std::min(box.right, width - 1.0), top = std::max(box.top, 0.0), bottom = std::min(box.bottom, height - 1.0);
+  const int width = in.disparity.spec.width, rows = in.disparity.spec.height;
+  const double left = std::max(box.left, 0.0), right = std::min(box.right, width - 1.0), top = std::max(box.top, 0.0), bottom = std::min(box.bottom, rows - 1.0);
   if (!(right > left) || bottom < top || box.d_near <= 0) return;
   const int across = std::clamp(static_cast<int>(right - left), 1, most_samples), down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
   const double least = 16 * ((1 - depth_share) * box.d_far - depth_off + in.view.cx_offset);
   const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
+  const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
   for (int j = 0; j < down; ++j) {
     const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
-    const int16_t* d = in.disparity.row<int16_t>(v);
+    const int16_t *d = in.disparity.row<int16_t>(v), *height = in.height.row<int16_t>(v);
     const uint8_t *surface = in.surface.row<uint8_t>(v), *grey = in.left.row<uint8_t>(v);
     for (int i = 0; i < across; ++i) {
       const int u = static_cast<int>(left + (i + 0.5) * (right - left) / across);
@@ -123,10 +132,13 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
         ++tally.why[static_cast<size_t>(why)];
       } else if (d[u] > most) {
         ++tally.nearer;
-      } else if (what == kernels::Surface::below) {
-        ++tally.below;
-      } else if (what == kernels::Surface::floor && d[u] >= least) {
+      } else if (what == kernels::Surface::floor && d[u] >= least && height[u] >= lowest) {
         ++tally.floor;
+      } else if (what == kernels::Surface::floor || what == kernels::Surface::below) {
+        const double true_d = d[u] / 16.0 - in.view.cx_offset, ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
+        ++tally.beyond;
+        tally.height += height[u] / 1000.0 + in.floor.elevation(ahead);
+        tally.ahead += ahead;
       } else {
         ++tally.why[static_cast<size_t>(CellReason::occluded)];
       }
@@ -145,7 +157,7 @@ int Occupancy::seen(int row, int column) const noexcept {
   return sum;
 }
 
-void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) const noexcept {
+void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept {
   int8_t& value = occupancy.row<int8_t>(row)[column];
   uint8_t& why = reason.row<uint8_t>(row)[column];
   const auto say = [&](int is, CellReason because) {
@@ -156,6 +168,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   Tally tally;
   look(in, where, tally);
   const size_t cell = static_cast<size_t>(row * columns_ + column);
+  beyond_[cell] = {};
   const int own = obstacles_[cell], around = seen(row, column);
   int risk = 0;
   if (own >= config_.map.minCount && 3 * own >= around && where.d_near > 0)
@@ -167,32 +180,57 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
     return say(std::max(floor, risk), CellReason::floor);
   }
   if (risk >= least_weak) return say(risk, CellReason::obstacle);
-  if (tally.below >= least_hole && tally.below >= least_below * all) return say(-1, CellReason::drop_off);
+  if (tally.beyond >= least_hole && tally.beyond >= least_beyond * all)
+    beyond_[cell] = {static_cast<float>(tally.height / tally.beyond), static_cast<float>(tally.ahead / tally.beyond)};
   if (overhangs_[cell] >= config_.map.minCount && tally.all == 0) return say(-1, CellReason::overhang);
   if (tally.all == 0) return say(-1, CellReason::out_of_view);
   if (where.d_far > in.nearest) return say(-1, CellReason::too_near);
-  tally.why[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.below;
+  tally.why[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.beyond;
   const auto most = std::max_element(tally.why.begin(), tally.why.end());
   say(-1, static_cast<CellReason>(most - tally.why.begin()));
 }
 
-/// A hole is one where floor, or a hole, leads up to it; else its cells are hidden.
-void Occupancy::drop_offs(Image& occupancy, Image& reason) const noexcept {
+/// What looks like floor close behind an obstacle is its foot.
+void Occupancy::shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept {
+  const double reach = std::min(config_.limit.max_height / in.pose.height, 0.9);
+  const auto is = [&](int row, int column, CellReason why) { return reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(why); };
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      if (!is(row, column, CellReason::floor)) continue;
+      const double ahead = rows_ - row - 0.5, across = column + 0.5 - columns_ / 2.0;
+      const int steps = static_cast<int>(std::ceil(reach * ahead));
+      for (int step = 1; step <= steps; ++step) {
+        const double part = 1 - step / ahead;
+        const int r = rows_ - 1 - static_cast<int>(std::floor(ahead - step)), c = static_cast<int>(std::floor(across * part + columns_ / 2.0));
+        if (r >= rows_ || c < 0 || c >= columns_) break;
+        if (occupancy.row<int8_t>(r)[c] < occupied || !is(r, c, CellReason::obstacle)) continue;
+        occupancy.row<int8_t>(row)[column] = -1;
+        reason.row<uint8_t>(row)[column] = static_cast<uint8_t>(CellReason::occluded);
+        break;
+      }
+    }
+  }
+}
+
+void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) const noexcept {
+  const double cell = config_.map.cell, least = hole_of_step * config_.limit.max_height;
   for (int column = 0; column < columns_; ++column) {
-    int floor_ago = floor_leads + 1;
+    int last_floor = -1;
     for (int row = rows_ - 1; row >= 0; --row) {
       uint8_t& why = reason.row<uint8_t>(row)[column];
-      ++floor_ago;
-      if (why == static_cast<uint8_t>(CellReason::floor)) {
-        floor_ago = 0;
-      } else if (why == static_cast<uint8_t>(CellReason::drop_off)) {
-        if (floor_ago <= floor_leads) {
-          occupancy.row<int8_t>(row)[column] = 100;
-          floor_ago = 0;
-        } else {
-          why = static_cast<uint8_t>(CellReason::occluded);
-        }
+      if (why == static_cast<uint8_t>(CellReason::floor)) last_floor = row;
+      const Beyond& seen = beyond_[static_cast<size_t>(row * columns_ + column)];
+      if (seen.ahead <= 0 || last_floor < 0 || last_floor - row > floor_leads) continue;
+      const double edge = (rows_ - last_floor - 0.5) * cell, here = in.floor.elevation(edge);
+      const double slope = std::min((here - in.floor.elevation(edge - slope_cells * cell)) / (slope_cells * cell), 0.0);
+      if (here + slope * (static_cast<double>(seen.ahead) - edge) - static_cast<double>(seen.height) < least) continue;
+      for (int r = row; r > std::max(row - edge_cells, -1); --r) {
+        uint8_t& edge_why = reason.row<uint8_t>(r)[column];
+        if (edge_why == static_cast<uint8_t>(CellReason::obstacle)) break;
+        occupancy.row<int8_t>(r)[column] = 100;
+        edge_why = static_cast<uint8_t>(CellReason::drop_off);
       }
+      last_floor = -1;
     }
   }
 }

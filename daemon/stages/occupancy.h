@@ -13,14 +13,15 @@
 
 namespace vdisp {
 
-/// Disparity, surface (gray8), obstacles and overhangs (disparity16), FloorModel and the left view to the map's grid twice: int8, -1 unknown, else
+/// Disparity, surface (gray8), height16, obstacles and overhangs (disparity16), FloorModel and the left view to the map's grid twice: int8, -1 unknown, else
 /// 0..100; and gray8, the CellReason.
 ///
 /// Obstacles: pixels that stand over a cell and its two neighbours ahead and behind, against those that an object of half max_height over the limit
 /// and a cell wide would give there, so that the same object counts the same at any range: 1 - exp(-seen / (0.24 expected)).
 /// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
-/// depth, something nearer (occluded), something under the floor (a hole), or no disparity and why. Joined: an obstacle beats floor; a hole
-/// counts where floor leads up to it; what is neither is unknown.
+/// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
+/// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
+/// lies lower than the floor would go on, a drop-off begins; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -30,15 +31,20 @@ class Occupancy final : public ImageProcessor {
  private:
   static constexpr int most_samples = 6;  // of a cell, each way
   struct Tally {
-    int all = 0, floor = 0, nearer = 0, below = 0;
+    int all = 0, floor = 0, nearer = 0, beyond = 0;
+    double height = 0, ahead = 0;  // of what is beyond: sums, m over the plane and along the ground
     std::array<int, cell_reasons> why{};
   };
   struct Inputs {
-    const Image &disparity, &surface, &left;
+    const Image &disparity, &surface, &height, &left;
     StereoView view;
     LocalFloor floor;
     PlanePose pose;
     double nearest;  // true disparity, px, beyond which nothing is matched
+  };
+  /// What is seen through a cell: m over the plane, and m along the ground. ahead = 0: nothing.
+  struct Beyond {
+    float height, ahead;
   };
   struct Box {
     double left, right, top, bottom, d_far, d_near;  // px
@@ -47,13 +53,15 @@ class Occupancy final : public ImageProcessor {
   void look(const Inputs& in, const Box& box, Tally& tally) const noexcept;
   double expected(const Inputs& in, const Box& box) const noexcept;
   int seen(int row, int column) const noexcept;
-  void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) const noexcept;
-  void drop_offs(Image& occupancy, Image& reason) const noexcept;
+  void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
+  void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
+  void drop_offs(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
 
   Machine& machine_;
   const Config& config_;
   kernels::GroundScratch scratch_;
   std::vector<int16_t> all_limit_, obstacles_, overhangs_;  // limit that everything is above; counts by cell
+  std::vector<Beyond> beyond_;
   int rows_ = 0, columns_ = 0;
 };
 

@@ -15,8 +15,7 @@ constexpr int dark = 14, bright = 250;                // grey levels
 constexpr double most_bright = 0.7;                   // share of the pixels
 constexpr double least_matched = 0.01;                // share of the pixels with a disparity
 constexpr double most_untextured = 0.97;              // share of the pixels refused for it
-constexpr double least_points = 40, good_points = 300;  // on the floor, of some 8000 looked at in 640x480
-constexpr double most_beyond = 0.6;                   // of the points on the floor
+constexpr double good_points = 300;                   // on the floor, of some 8000 looked at in 640x480
 constexpr double steady_s = 2;                        // time constant of the filtered pose
 
 }  // namespace
@@ -88,7 +87,7 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   std::optional<FloorPlane> last;
   if (last_) last = LocalFloor(*last_, view).plane();
   const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr);
-  if (!found || found->count.on < least_points || found->count.beyond > most_beyond * found->count.on) return false;
+  if (!found || !PlaneSearch::holds(*found)) return false;
   describe(view, *found, model);
   if (profiles_ && view.calibrated()) profile_.measure(search_, view, model);
   steady(disparity, model);
@@ -98,9 +97,9 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
 }
 
 void PlaneFloor::describe(const StereoView& view, const PlaneSearch::Found& found, FloorModel& model) noexcept {
-  const double on = found.count.on, beyond = found.count.beyond;
+  const double on = found.all.on, beyond = found.feet.beyond;
   model.state = FloorState::found;
-  model.points = found.count.on;
+  model.points = found.all.on;
   model.confidence = on / (on + 2 * beyond) * std::min(1.0, on / good_points);
   model.a = 1 / (16 * found.plane.down);
   model.b = found.plane.horizon(view);

@@ -13,6 +13,10 @@ namespace {
 
 constexpr int column_step = 6, row_step = 6;          // of 640x480; larger images in proportion
 constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disparity: rough ground is rough in proportion
+constexpr double least_on = 40, most_beyond = 0.5;  // points
+constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
+constexpr int strips = 16, feet_of_strip = 30;  // parts of the image's width; points of each
+constexpr double bumps = 0.1;  // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;  // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
@@ -30,26 +34,45 @@ double PlaneSearch::reach(double floor_disparity) {
 }
 
 void PlaneSearch::prepare(const ImageSpec& disparity) {
-  const size_t room = kernels::point_room((disparity.width / column_step + 1u) * (disparity.height / row_step + 1u));
+  const size_t room = kernels::point_room((disparity.width / column_step + 2u) * (disparity.height / row_step + 2u));
   for (auto* list : {&u_, &v_, &d_}) list->assign(room, 0.0f);
+  for (auto* list : {&feet_u_, &feet_v_, &feet_d_}) list->assign(kernels::point_room(strips * feet_of_strip), 0.0f);
 }
 
 size_t PlaneSearch::collect(const Image& disparity) {
   const CameraGeometry& g = disparity.camera;
   const kernels::Search search = search_of(g, 16 * g.disparities);
   const int across = std::max(column_step, disparity.spec.width * column_step / 640), down = std::max(row_step, disparity.spec.height * row_step / 480);
-  n_ = 0;
-  for (int v = down / 2; v < disparity.spec.height; v += down) {
+  n_ = feet_ = 0;
+  std::array<int, strips> taken{};
+  for (int v = disparity.spec.height - 1 - down / 2; v >= 0; v -= down) {
     const int16_t* row = disparity.row<int16_t>(v);
     // Rows are shifted against each other, so that no column of the image is always left out.
     for (int u = v * 5 / 3 % across; u < disparity.spec.width; u += across) {
       if (!search.counts(row[u])) continue;
       u_[n_] = static_cast<float>(u) - g.cx;
       v_[n_] = static_cast<float>(v) - g.cy;
-      d_[n_++] = static_cast<float>(true_disparity(g, row[u] - search.first));
+      d_[n_] = static_cast<float>(true_disparity(g, row[u] - search.first));
+      if (taken[static_cast<size_t>(u * strips / disparity.spec.width)]++ < feet_of_strip) {
+        feet_u_[feet_] = u_[n_];
+        feet_v_[feet_] = v_[n_];
+        feet_d_[feet_++] = d_[n_];
+      }
+      ++n_;
     }
   }
   return n_;
+}
+
+bool PlaneSearch::holds(const Found& found) {
+  return found.all.on >= least_on && found.feet.beyond <= most_beyond * (found.feet.on + least_on) &&
+         found.all.beyond <= found.all.on + 12 * found.feet.on;
+}
+
+bool PlaneSearch::within_mounting(const PlanePose& pose) const {
+  const auto& m = config_.mounting;
+  const double pitch = config_.expected_pitch();
+  return std::abs(pose.height / m.height - 1) <= 1.5 * m.heightTolerance && (std::isnan(pitch) || std::abs(pose.pitch - pitch) <= 2 * m.pitchTolerance + bumps);
 }
 
 std::optional<FloorPlane> PlaneSearch::through_three(Random& random) const {
@@ -93,6 +116,7 @@ double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, cons
   const PlanePose pose = pose_of(plane, view);
   if (!(pose.height > least_height && pose.height < most_height && std::abs(pose.pitch) < most_pitch)) return 0;
   const double height = config_.mounting.height, pitch = config_.expected_pitch();
+  if (mounted_ && !within_mounting(pose)) return 0;
   double likely = bell(pose.roll - config_.mounting.roll, roll_off);
   if (height > 0) likely *= bell(pose.height / height - 1, height_off);
   likely *= std::isnan(pitch) ? bell(pose.pitch - usual_pitch, usual_pitch_off) : bell(pose.pitch - pitch, pitch_off);
@@ -105,11 +129,13 @@ double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, cons
 }
 
 PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const {
-  Found found{plane, {}, likely(plane, view, last)};
+  Found found{plane, {}, {}, likely(plane, view, last)};
   if (found.score <= 0) return found;
   const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
-  found.count = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
-  found.score *= std::max(0.0, static_cast<double>(found.count.on) - static_cast<double>(found.count.beyond));
+  found.all = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
+  found.feet = machine_.kernels.count_on_plane({feet_u_.data(), feet_v_.data(), feet_d_.data()}, feet_, single, plane_reach);
+  const double all = found.all.on - price_of_beyond * found.all.beyond, feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
+  found.score *= std::max(0.0, all + weight_of_feet * feet);
   return found;
 }
 
@@ -142,6 +168,16 @@ std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, ui
   Random random(static_cast<uint32_t>(seed % 2147483646 + 1));
   last_roll_.reset();
   if (last) last_roll_ = std::atan2(last->across, last->down);
+  mounted_ = view.calibrated() && config_.mounting.height > 0;
+  if (mounted_) {
+    const auto found = try_planes(view, random, last);
+    if (found && holds(*found)) return found;
+    mounted_ = false;
+  }
+  return try_planes(view, random, last);
+}
+
+std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view, Random& random, const FloorPlane* last) {
   std::array<Found, kept> best{};
   size_t count = 0;
   const auto keep = [&](const Found& found) {

@@ -15,7 +15,8 @@
 namespace vdisp {
 
 /// Random planes through points of the disparity image, judged by what lies on them, less what lies beyond them (nothing is seen through a
-/// floor), and by how well they agree with the mounting and the last floor. Points are drawn by threes; by twos, with a roll taken for granted; and
+/// floor, though over its edge), the ground at the rover's feet above all, and by how well they agree with the mounting and the last floor. A floor
+/// within the mounting's tolerances is looked for first, any floor where there is none. Points are drawn by threes; by twos, with a roll taken for granted; and
 /// one by one, with roll and height, which finds a floor of which hardly anything is seen. The best are fitted to their points, with
 /// Tukey's weights.
 class PlaneSearch {
@@ -25,7 +26,7 @@ class PlaneSearch {
 
   struct Found {
     FloorPlane plane;
-    kernels::PlaneCount count;
+    kernels::PlaneCount all, feet;  // of all points, and of the lowest ones of each part of the image's width
     double score;
   };
   /// Takes every few pixels of the disparity image that have a disparity above 0. Returns how many.
@@ -37,6 +38,8 @@ class PlaneSearch {
   }
   /// The same points and seed give the same plane. `last`: the floor of the last frame, or null.
   std::optional<Found> search(const StereoView& view, uint64_t seed, const FloorPlane* last);
+  /// Enough lies on it to call it a floor.
+  static bool holds(const Found& found);
   /// Where a point has this true disparity of the floor it may be off by so much, px.
   static double reach(double floor_disparity);
 
@@ -50,6 +53,8 @@ class PlaneSearch {
   std::optional<FloorPlane> through_one(Random& random, const StereoView& view, double roll, double height) const;
   /// How far what is known beforehand supports a plane, 0..1; 0: it cannot be the floor.
   double likely(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
+  bool within_mounting(const PlanePose& pose) const;
+  std::optional<Found> try_planes(const StereoView& view, Random& random, const FloorPlane* last);
   Found judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
   FloorPlane refine(FloorPlane plane) const;
   kernels::DisparityPoints lists() const { return {u_.data(), v_.data(), d_.data()}; }
@@ -57,8 +62,9 @@ class PlaneSearch {
 
   Machine& machine_;
   const Config& config_;
-  mutable kernels::Aligned<float> u_, v_, d_;
-  size_t n_ = 0;
+  mutable kernels::Aligned<float> u_, v_, d_, feet_u_, feet_v_, feet_d_;
+  size_t n_ = 0, feet_ = 0;  // points; how many of them are also in the lists of the lowest
+  bool mounted_ = false;     // only what agrees with [mounting]
   std::optional<double> last_roll_;
 };
 

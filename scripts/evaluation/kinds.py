@@ -16,6 +16,8 @@ def spread(least, most):
 
 LEVEL = {"sim.pitch": 0.1, "Limit obstacle.angRot": 0.1, "Map.angRot": 0.1}
 # name: (parameters, a number or a function of the seed; frames of each seed; what it is)
+# What the operator has measured with a tape.
+MEASURED = {"mounting.height": 0.8, "mounting.pitch": 0.2618}
 KINDS = {
     "flat": ({}, 4, "level ground"),
     "roll": ({"sim.roll": spread(-10, 10)}, 4, "roll -10 to 10 deg"),
@@ -29,7 +31,7 @@ KINDS = {
     "texture": ({"sim.texture": 0.3}, 4, "contrast of all textures 0.3"),
     "kerb": ({"sim.ground": "kerb"}, 4, "step down of 0.3 to 1 m, 1.2 to 3 m ahead"),
     "ditch": ({"sim.ground": "ditch"}, 4, "ditch as deep, there"),
-    "overhangs": ({"sim.scene": "overhangs", **LEVEL}, 4, "beams at 1.2 to 1.6 m, and at 0.3 to 0.7 m; pitch 0.1 rad"),
+    "overhangs": ({"sim.scene": "overhangs", "Limit obstacle.clearance": 1, **LEVEL}, 4, "beams at 1.2 to 1.6 m, and at 0.3 to 0.7 m; pitch 0.1 rad"),
 }
 
 
@@ -38,7 +40,7 @@ def chosen(daemon):
 
 
 def parameters(daemon, kind, seed, **more):
-    sets = {**PAPER, "sim.scene": "flat", **KINDS[kind][0], "sim.seed": seed, **more, **daemon.sets}
+    sets = {**PAPER, **MEASURED, "sim.scene": "flat", **KINDS[kind][0], "sim.seed": seed, **more, **daemon.sets}
     return {key: value(seed) if callable(value) else value for key, value in sets.items()}
 
 
