@@ -11,6 +11,8 @@ namespace {
 constexpr double roughness = 0.02;     // m, of ground that is one with its profile
 constexpr double disparity_noise = 0.35;  // px
 constexpr float most_counted = 8;      // points of a distance: more say nothing new
+constexpr float least_carried = 2;     // points that show that the floor is there
+constexpr float unlikely = 1e6f;
 constexpr float price_of_step = 0.10f, price_of_level = 0.002f, price_of_below = 1.2f;
 
 }  // namespace
@@ -50,6 +52,7 @@ void FloorProfile::count(const PlaneSearch& points, const StereoView& view, cons
 }
 
 void FloorProfile::find_way(const FloorModel& model, const StereoView& view, const Scale& scale) noexcept {
+  bool ground_seen = false;
   for (int bin = 0; bin < scale.count; ++bin) {
     const double z = scale.start + bin * scale.step;
     const double noise = model.height_m * disparity_noise * std::hypot(z, model.height_m) / (view.f * view.baseline);
@@ -61,21 +64,26 @@ void FloorProfile::find_way(const FloorModel& model, const StereoView& view, con
       all += seen(bin, level);
     }
     sums[levels] = all;
+    bool carries[levels];
     for (int level = 0; level < levels; ++level) {
       const float on_it = sums[std::min(level + on + 1, levels)] - sums[std::max(level - on, 0)], below = sums[std::max(level - gap, 0)];
       cost[level] = (price_of_below * std::min(below, most_counted) - std::min(on_it, most_counted)) / most_counted +
                     price_of_level * static_cast<float>(std::abs(level - middle));
+      carries[level] = on_it >= least_carried;
     }
-    if (bin == 0) {
-      // The rover stands on its floor: the plane goes through the ground below it.
-      for (int level = 0; level < levels; ++level) cost[level] += 0.05f * static_cast<float>(std::abs(level - middle));
-      continue;
+    ground_seen = ground_seen || carries[middle];
+    if (!ground_seen) {
+      // The rover stands on the plane: up to where ground is first seen that is all there is to say.
+      for (int level = 0; level < levels; ++level) cost[level] = level == middle ? 0 : unlikely;
     }
+    if (bin == 0) continue;
     const float* before = cost - levels;
     for (int level = 0; level < levels; ++level) {
       int best = 0;
       float least = before[level];
-      for (int step = -reach; step <= reach; ++step) {
+      // It may only fall where it is seen to: what lies lower behind a gap is the bottom of a drop-off, or may be.
+      const int highest = carries[level] ? reach : 0;
+      for (int step = -reach; step <= highest; ++step) {
         if (level + step < 0 || level + step >= levels) continue;
         const float here = before[level + step] + price_of_step * static_cast<float>(std::abs(step));
         if (here < least) {

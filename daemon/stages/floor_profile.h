@@ -11,8 +11,8 @@
 namespace vdisp {
 
 /// The cheapest way through a grid of distances and heights, by dynamic programming: points that lie on it pay, points seen below it cost
-/// (obstacles stand on the floor, nothing is seen through it), and it neither rises nor falls more than `maxSlope` against the plane. So ramps,
-/// crests and bent ground are floor, and a kerb, a wall or a hole is not.
+/// (obstacles stand on the floor, nothing is seen through it), it neither rises nor falls more than `maxSlope` against the plane, and it falls only
+/// where it is seen to. So ramps, crests and bent ground are floor, and a kerb, a wall or a hole is not.
 class FloorProfile {
  public:
   explicit FloorProfile(const Config& config) : config_(config) {}

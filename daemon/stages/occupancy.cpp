@@ -15,6 +15,7 @@ constexpr int least_weak = 50;           // what is less, and not on floor, is n
 constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
 constexpr double uneven_of_step = 0.4;   // a cell's floor may be this part of max_height lower than the local floor
 constexpr double hole_of_step = 0.75;    // what is this part of max_height lower than the floor would go on is a drop-off
+constexpr double visible_by = 0.09, beside_slope = 0.05;  // rad, m
 constexpr int least_hole = 4;            // samples
 constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
 constexpr int dark = 14, bright = 250;   // grey levels
@@ -223,7 +224,12 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) con
       if (seen.ahead <= 0 || last_floor < 0 || last_floor - row > floor_leads) continue;
       const double edge = (rows_ - last_floor - 0.5) * cell, here = in.floor.elevation(edge);
       const double slope = std::min((here - in.floor.elevation(edge - slope_cells * cell)) / (slope_cells * cell), 0.0);
-      if (here + slope * (static_cast<double>(seen.ahead) - edge) - static_cast<double>(seen.height) < least) continue;
+      // A slope falls away gradually, as far as it can be seen at all: 5 degrees less steep than the line of sight.
+      const double sight = std::atan2(in.pose.height - here, edge), steepest = std::tan(std::min(config_.floor.maxSlope, sight - visible_by));
+      const double past = (last_floor - row - 0.5) * cell, tangent = std::tan(sight);
+      const double of_slope = steepest > 0 ? past * tangent * steepest / (tangent - steepest) + beside_slope : 0;
+      const double depth = here + slope * (static_cast<double>(seen.ahead) - edge) - static_cast<double>(seen.height);
+      if (depth < std::max(least, of_slope)) continue;
       for (int r = row; r > std::max(row - edge_cells, -1); --r) {
         uint8_t& edge_why = reason.row<uint8_t>(r)[column];
         if (edge_why == static_cast<uint8_t>(CellReason::obstacle)) break;

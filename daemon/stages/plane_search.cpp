@@ -11,11 +11,11 @@
 namespace vdisp {
 namespace {
 
-constexpr int column_step = 6, row_step = 6;          // of 640x480; larger images in proportion
+constexpr int column_step = 12, row_step = 3;  // px of 640x480, larger images in proportion; rows, as far ground has few
 constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disparity: rough ground is rough in proportion
 constexpr double least_on = 40, most_beyond = 0.5;  // points
 constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
-constexpr int strips = 16, feet_of_strip = 30;  // parts of the image's width; points of each
+constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
 constexpr double bumps = 0.1;  // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;  // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
