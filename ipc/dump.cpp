@@ -115,6 +115,7 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (image.spec.pixel == Pixel::line16 && !image.valid()) add_file(topic + ".csv", line_csv_header);
   if (!image.valid()) return;
   if (const TruthScene* scene = record_of<TruthScene>(image)) json_->records["truth_scene"] = scene_json(*scene);
+  if (const MapChanges* changes = record_of<MapChanges>(image)) json_->records["map_changes"] = changes_json(*changes);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);
 }
 

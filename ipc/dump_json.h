@@ -13,6 +13,8 @@ namespace vdisp {
 /// `floor`, of an image that holds a FloorModel. Blind, its bytes are those of some earlier frame: nothing of them is told.
 nlohmann::ordered_json floor_json(const Image& image);
 nlohmann::ordered_json scene_json(const TruthScene& scene);
+/// `map_changes`. The cells are not told: `occupancy` of the same frame is there.
+nlohmann::ordered_json changes_json(const MapChanges& changes);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);
 nlohmann::ordered_json grid_json(const GridGeometry& grid);
 
