@@ -121,17 +121,13 @@ Place Navigation::downhill(const Cell& cell, const Place& at) const {
   const double length = std::hypot(fall_row, fall_column);
   const Place next{at.row + step * (up < down ? -fall_row : fall_row) / length,
                    at.column + step * (left < right ? -fall_column : fall_column) / length};
-  if (may_step(cell, cell_at(next))) return next;
+  const Cell to = cell_at(next);
+  // Into the cell at a corner too: both cells beside such a step lie down the gradient, and are no obstacles.
+  if (to == cell || (holds(to) && cost(to) < here)) return next;
   const auto cheapest = std::min_element(sides.begin(), sides.end(), [&](const Cell& a, const Cell& b) {
     return around(cell.row + a.row, cell.column + a.column) < around(cell.row + b.row, cell.column + b.column);
   });
   return centre_of({cell.row + cheapest->row, cell.column + cheapest->column});
-}
-
-bool Navigation::may_step(const Cell& from, const Cell& to) const {
-  if (to == from) return true;
-  if (!holds(to) || !(cost(to) < cost(from))) return false;
-  return std::isfinite(cost({from.row, to.column})) && std::isfinite(cost({to.row, from.column}));
 }
 
 }  // namespace planner

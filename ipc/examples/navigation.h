@@ -61,7 +61,6 @@ class Navigation {
   void update(const Cell& cell);
   void update_neighbours(const Cell& cell);
   Place downhill(const Cell& cell, const Place& at) const;
-  bool may_step(const Cell& from, const Cell& to) const;
 
   int rows_, columns_;
   Cell goal_{-1, -1};
