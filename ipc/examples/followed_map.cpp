@@ -6,6 +6,11 @@
 #include <cmath>
 
 namespace planner {
+namespace {
+
+constexpr double nearly = 1e-6;  // cells: 0.3 m are three cells of 0.1 m, although 0.1 is a float
+
+}  // namespace
 
 using vdisp::Image;
 using vdisp::MapChanges;
@@ -47,13 +52,16 @@ void FollowedMap::resize(const Image& occupancy) {
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) mark({row, column});
   }
-  const double radius = std::min(policy_.buffer_m / static_cast<double>(occupancy.grid.cell), 50.0);
-  const int reach = static_cast<int>(radius);
+  const double cell = static_cast<double>(occupancy.grid.cell);
+  radius_ = std::min(policy_.radius_m / cell, 50.0);
+  buffer_ = std::min(policy_.buffer_m / cell, 50.0);
+  const double farthest = radius_ + buffer_ + nearly;
+  const int reach = static_cast<int>(farthest);
   around_.clear();
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
       const double distance = std::hypot(row, column);
-      if (distance > 0 && distance <= radius) around_.push_back({{row, column}, distance});
+      if (distance > 0 && distance <= farthest) around_.push_back({{row, column}, distance});
     }
   }
   std::stable_sort(around_.begin(), around_.end(), [](const Offset& a, const Offset& b) { return a.distance < b.distance; });
@@ -102,7 +110,7 @@ double FollowedMap::wanted_speed(const Cell& cell) const {
   for (const Offset& offset : around_) {
     const Cell beside{cell.row + offset.cell.row, cell.column + offset.cell.column};
     if (holds(beside) && occupancy(beside) >= policy_.occupied)
-      return speed * std::max(0.1, (offset.distance - 1) / around_.back().distance);
+      return offset.distance <= radius_ + nearly ? 0 : speed * std::clamp((offset.distance - std::max(radius_, 1.0)) / buffer_, 0.1, 1.0);
   }
   return speed;
 }

@@ -17,6 +17,7 @@ struct Policy {
   double unknown_speed = 0.5;  ///< in cells that nobody has seen; 0: only over ground that was seen
   int occupied = 65;           ///< from this occupancy on, in percent, a cell is an obstacle
   double buffer_m = 0.3;       ///< around obstacles the rover slows down this far, to a tenth beside them
+  double radius_m = 0;         ///< of the rover: cells whose centre is as near to an obstacle's are obstacles too, and the buffer is beyond
 };
 
 /// How much of a frame was read.
@@ -71,7 +72,8 @@ class FollowedMap {
   std::vector<double> speed_;
   std::vector<uint8_t> marked_;
   std::vector<Cell> marks_, changed_;
-  std::vector<Offset> around_;  // the cells within the buffer, nearest first
+  double radius_ = 0, buffer_ = 0;  // cells
+  std::vector<Offset> around_;      // the cells within radius and buffer, nearest first
 };
 
 /// A point of the rover's frame (m; x ahead, y left) in a grid of the camera's frame, and back.

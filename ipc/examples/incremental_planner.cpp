@@ -14,10 +14,11 @@ using namespace planner;
 using namespace vdisp;
 
 static const char usage[] =
-    "usage: vdisp-incremental-planner X Y [--unknown SPEED] [--buffer M] [--frames N] [--json] [--compare]\n"
+    "usage: vdisp-incremental-planner X Y [--unknown SPEED] [--radius M] [--buffer M] [--frames N] [--json] [--compare]\n"
     "  X Y              the goal, m ahead of the rover and to its left (negative: right)\n"
     "  --unknown SPEED  how fast through cells nobody has seen, 0 (never) to 1 (as free ground); 0.5\n"
-    "  --buffer M       slower this near to obstacles, 0 to 5 m; 0.3\n"
+    "  --radius M       of the rover: no nearer than this to obstacles, 0 to 5 m; 0\n"
+    "  --buffer M       and slower this much farther from them, 0 to 5 m; 0.3\n"
     "  --frames N       N frames, blind ones counted, then end; 69 where no daemon comes within 5 s. Without it: for ever\n"
     "  --json           one line of JSON for each frame, instead of a picture twice a second\n"
     "  --compare        also plan anew in each frame, and compare\n";
@@ -44,6 +45,8 @@ static bool parse(int argc, char** argv, Options& options) {
     if (word == "--json" || word == "--compare")
       (word == "--json" ? options.json : options.compare) = true;
     else if (word == "--unknown" && number(value, 0.0, 1.0, options.policy.unknown_speed))
+      ++i;
+    else if (word == "--radius" && number(value, 0.0, 5.0, options.policy.radius_m))
       ++i;
     else if (word == "--buffer" && number(value, 0.0, 5.0, options.policy.buffer_m))
       ++i;
@@ -81,7 +84,7 @@ static void print_text(const Image& image, const Plan& plan, const FollowedMap& 
     lines.emplace_back();
     for (int column = 0; column < map.columns(); ++column) {
       const int value = map.occupancy({row, column});
-      lines.back() += value < 0 ? ' ' : map.speed({row, column}) > 0 ? value > 30 ? ':' : '.' : '#';
+      lines.back() += value < 0 ? ' ' : map.speed({row, column}) > 0 ? value > 30 ? ':' : '.' : value < 65 ? '+' : '#';
     }
   }
   for (const Place& place : plan.way) lines[static_cast<size_t>(cell_at(place).row)][static_cast<size_t>(cell_at(place).column)] = 'o';

@@ -143,15 +143,17 @@ class IncrementalPlanner(ProgramTest):
         self.assertIn("stands", never["reason"])
         self.assertAlmostEqual(slow - fast, 0.5, delta=0.06)  # 5 cells of unknown ground, each twice as dear
 
-    def test_a_buffer_keeps_the_way_off_the_wall(self):
+    def test_buffer_and_radius_keep_the_way_off_the_wall(self):
         def nearest(plan):
             phase = plan["sequence"] // 2 % 72
             left = (25.5 - (phase if phase < 36 else 72 - phase)) / 10
             return min(math.hypot(max(2.4 - x, 0, x - 2.6), max(left - 1.5 - y, 0, y - left)) for x, y in plan["path"])
         with Daemon("--rate", "50"):
-            none, wide = (min(map(nearest, self.plans("4", "0", "--json", "--frames", "75", "--buffer", m)[1:])) for m in ("0", "0.5"))
+            none, wide, never = (min(nearest(plan) for plan in self.plans("4", "0", "--json", "--frames", "75", *words) if plan.get("path"))
+                                 for words in (("--buffer", "0"), ("--buffer", "0.5"), ("--buffer", "0", "--radius", "0.4")))
         self.assertLess(none, 0.1)
         self.assertGreater(wide, none + 0.15)
+        self.assertGreater(never, 0.3)  # from cell to cell 0.4 m, from edge to edge half a cell less on either side
 
     def test_ends_with_69_where_no_daemon_comes(self):
         plans = self.plans("4", "0", "--json", "--frames", "5", code=69)
@@ -160,7 +162,7 @@ class IncrementalPlanner(ProgramTest):
 
     def test_refuses_wrong_words(self):
         for words in ([], ["1"], ["1", "two"], ["nan", "0"], ["1", "0", "--frames", "0"], ["1", "0", "--unknown", "2"], ["1", "0", "--what"],
-                      ["1", "0", "--buffer"]):
+                      ["1", "0", "--buffer"], ["1", "0", "--radius", "-1"]):
             done = run(PLANNER, *words)
             self.assertEqual(done.returncode, 64, words)
             self.assertIn("usage: vdisp-incremental-planner", done.stderr)

@@ -496,7 +496,15 @@ TEST_F(FollowedMapTest, speeds_are_the_policys) {
   EXPECT_NEAR(map.speed({20, 21}), 0.1, 1e-12);
   EXPECT_GT(map.speed({20, 22}), map.speed({20, 21}));
   EXPECT_LT(map.speed({20, 22}), 1);
+  EXPECT_NEAR(map.speed({20, 23}), 2 / 3.0, 1e-6) << "0.3 m from it";
   EXPECT_EQ(map.speed({20, 24}), 1) << "0.4 m from it";
+  FollowedMap wide{Policy{0.5, 65, 0.2, 0.3}};
+  wide.follow(&grid.image(), &changes.image());
+  EXPECT_EQ(wide.speed({20, 23}), 0) << "0.3 m from it";
+  EXPECT_EQ(wide.speed({22, 22}), 0);
+  EXPECT_NEAR(wide.speed({20, 24}), 0.5, 1e-6);
+  EXPECT_NEAR(wide.speed({20, 25}), 1, 1e-6);
+  EXPECT_EQ(wide.speed({20, 26}), 1);
   FollowedMap careful{Policy{0, 65, 0}};
   careful.follow(&grid.image(), &changes.image());
   EXPECT_EQ(careful.speed({5, 5}), 0);
