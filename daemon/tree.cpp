@@ -8,6 +8,7 @@
 #include "daemon/stages/height.h"
 #include "daemon/stages/limit.h"
 #include "daemon/stages/map.h"
+#include "daemon/stages/map_changes.h"
 #include "daemon/stages/occupancy.h"
 #include "daemon/stages/plane_floor.h"
 #include "daemon/stages/rectify.h"
@@ -49,8 +50,9 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   } else if (floors) {
     const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config), {disparity, left}, Need::always);
     const auto over = driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1]});
-    driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
+    const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
                    {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
+    driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
     driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
 
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});

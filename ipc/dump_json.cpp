@@ -151,6 +151,8 @@ ordered_json input_json(const Image& image) {
   return json;
 }
 
+ordered_json changes_json(const MapChanges& changes) { return {{"generation", changes.generation}, {"count", changes.count}}; }
+
 ordered_json camera_json(const CameraGeometry& camera) {
   return {{"f", number(camera.f)},
           {"cx", number(camera.cx)},

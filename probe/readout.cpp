@@ -170,6 +170,24 @@ std::vector<std::string> events_text(const Events& events) {
   return lines;
 }
 
+std::vector<std::string> changes_text(const MapChanges& changes) {
+  static constexpr const char* whole[] = {"", "the first grid", "after blindness", "the grid has moved", "more than the list holds"};
+  const auto why = static_cast<uint32_t>(changes.whole);
+  const auto number = [](uint64_t value) { return std::to_string(value); };
+  std::vector<std::string> lines{"generation  " + number(changes.generation) + ", before " + number(changes.previous),
+                                 "changed     " + number(changes.changed) + " cells, " + number(changes.count) + " listed"};
+  if (why != 0)
+    lines.push_back(std::string("read all    ") + (why < std::size(whole) ? whole[why] : "for a reason not known to this version"));
+  constexpr uint32_t shown = 12;
+  const uint32_t count = std::min(changes.count, MapChanges::capacity);
+  for (uint32_t i = 0; i < std::min(count, shown); ++i) {
+    const ChangedCell& cell = changes.cells[i];
+    lines.push_back(format("row %3d  column %3d  ", cell.row, cell.column) + (cell.value < 0 ? "unknown" : format("%d %%", cell.value)));
+  }
+  if (count > shown) lines.push_back("and " + number(count - shown) + " more");
+  return lines;
+}
+
 }  // namespace
 
 std::string spec_words(const ImageSpec& spec) {
@@ -192,6 +210,7 @@ std::vector<std::string> record_text(const Image& image) {
   if (const Imu* imu = record_of<Imu>(image)) return imu_text(*imu);
   if (const DriveOrder* drive = record_of<DriveOrder>(image)) return drive_text(*drive);
   if (const Events* events = record_of<Events>(image)) return events_text(*events);
+  if (const MapChanges* changes = record_of<MapChanges>(image)) return changes_text(*changes);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
 }
 

@@ -11,6 +11,7 @@
 
 #include "daemon/core/clock.h"
 #include "daemon/core/driver.h"
+#include "daemon/stages/map_changes.h"
 #include "ipc/shm.h"
 #include "tests/support/count_allocations.h"
 
@@ -19,7 +20,7 @@ using namespace vdisp;
 namespace {
 
 volatile std::sig_atomic_t stop = 0;
-bool blind = false;
+bool blind = false, occupancy = false;
 
 struct Camera final : ImageSource {
   std::vector<ImageSpec> open() override { return {{Pixel::gray8, 0, 640, 480}}; }
@@ -39,6 +40,18 @@ struct Map final : ImageFilter {
   bool filter(const Image& in, Image& out) noexcept override {
     for (int y = 0; y < 50; ++y) std::memset(out.row<int16_t>(y), 0, 102);
     out.row<int16_t>(static_cast<int>(in.sequence % 50))[30] = 100;
+    out.grid = {0.1f, 50, 25.5f, -0.4f, 0.4f, 3, 0, 0, 0, 0};
+    return true;
+  }
+};
+
+/// A wall 15 cells wide, 2.5 m ahead, that goes to and fro, a row of cells that were not seen beside the rover, free ground.
+struct Occupancy final : ImageFilter {
+  ImageSpec accept(const ImageSpec&) override { return {Pixel::int8, 0, 51, 50}; }
+  bool filter(const Image& in, Image& out) noexcept override {
+    for (int y = 0; y < 50; ++y) std::memset(out.row<int8_t>(y), y < 45 ? 0 : -1, 51);
+    const int phase = static_cast<int>(in.sequence / 2 % 72);
+    for (int y = 24; y < 26; ++y) std::memset(out.row<int8_t>(y) + (phase < 36 ? phase : 72 - phase), 100, 15);
     out.grid = {0.1f, 50, 25.5f, -0.4f, 0.4f, 3, 0, 0, 0, 0};
     return true;
   }
@@ -71,6 +84,9 @@ int run(double rate, long frames, const ShmOptions& options) {
   driver.add("copy", std::make_unique<Copy>(), {left});
   driver.add("floor_model", std::make_unique<Floor>(), {left, driver.last("floor_model", record_spec<FloorModel>())}, Need::always);
   driver.add("map", std::make_unique<Map>(), {left}, Need::always);
+  if (occupancy)
+    driver.add("map_changes", std::make_unique<MapComparison>(), {driver.add("occupancy", std::make_unique<Occupancy>(), {left})},
+               Need::always);
   TopicList topics;
   for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
   SharedMemory memory(options, topics);
@@ -106,8 +122,8 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     const char* value = i + 1 < argc ? argv[i + 1] : "";
-    if (option == "--blind") {
-      blind = true;
+    if (option == "--blind" || option == "--occupancy") {
+      (option == "--blind" ? blind : occupancy) = true;
       continue;
     }
     ++i;

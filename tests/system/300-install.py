@@ -13,13 +13,15 @@ import unittest
 from programs import BIN, ROOT, isolated_main, wait_until
 
 PLANNER = ROOT / "ipc/examples/planner.cpp"
+INCREMENTAL = [ROOT / "ipc/examples" / name for name in ("incremental_planner.cpp", "planned.cpp", "followed_map.cpp", "navigation.cpp")]
 C_CLIENT = ROOT / "tests/support/client_c.c"
 PROJECT = f"""cmake_minimum_required(VERSION 3.25)
 project(outside LANGUAGES CXX C)
 find_package(vdisp 0.1 REQUIRED)
 add_executable(planner {PLANNER})
+add_executable(incremental {' '.join(map(str, INCREMENTAL))})
 add_executable(client_c {C_CLIENT})
-foreach(program planner client_c)
+foreach(program planner incremental client_c)
   target_link_libraries(${{program}} PRIVATE vdisp::vdisp)
 endforeach()
 """
@@ -53,11 +55,11 @@ class Install(unittest.TestCase):
     def flags(self):
         return self.call("pkg-config", "--cflags", "--libs", "vdisp").stdout.split()
 
-    def assert_works_without_a_daemon(self, planner):
+    def assert_works_without_a_daemon(self, planner, *words):
         """The planner says dead and what to do, and stays alive."""
         output = self.folder / (planner.name + ".out")
         with open(output, "w") as file:
-            process = subprocess.Popen([str(planner)], stdout=file, stderr=file, env=self.environment)
+            process = subprocess.Popen([str(planner), *words], stdout=file, stderr=file, env=self.environment)
         try:
             self.assertTrue(wait_until(lambda: "\n" in output.read_text()), "it says nothing")
             time.sleep(0.3)
@@ -68,8 +70,8 @@ class Install(unittest.TestCase):
         self.assertRegex(output.read_text(), r"^dead: .*vdispd.*\n$")
 
     def test_programs_manuals_and_configuration_are_there(self):
-        for name in ("bin/vdispd", "bin/vdisp-probe", "bin/vdisp-planner", "share/man/man1/vdispd.1", "share/man/man1/vdisp-probe.1",
-                     "share/man/man5/vdisp.cfg.5", "etc/vdisp/vdisp.cfg"):
+        for name in ("bin/vdispd", "bin/vdisp-probe", "bin/vdisp-planner", "bin/vdisp-incremental-planner", "share/man/man1/vdispd.1",
+                     "share/man/man1/vdisp-probe.1", "share/man/man5/vdisp.cfg.5", "etc/vdisp/vdisp.cfg"):
             self.assertTrue((self.prefix / name).is_file(), name)
         headers = {path.name for path in (self.prefix / "include/vdisp").iterdir()}
         self.assertEqual(headers, {"client.h", "client_c.h", "command.h", "control.h", "control_c.h", "image.h", "records.h"})
@@ -95,11 +97,14 @@ class Install(unittest.TestCase):
         self.call("cmake", "-B", "outside", f"-DCMAKE_PREFIX_PATH={self.prefix}")
         self.call("cmake", "--build", "outside")
         self.assert_works_without_a_daemon(self.folder / "outside/planner")
+        self.assert_works_without_a_daemon(self.folder / "outside/incremental", "3", "0")
         self.assertIn("vdispd", self.call(self.folder / "outside/client_c").stdout)
 
     def test_pkg_config_builds_a_planner_and_gcc_a_c_client(self):
         self.call("g++", "-std=c++20", PLANNER, "-o", "planner_pc", *self.flags())
         self.assert_works_without_a_daemon(self.folder / "planner_pc")
+        self.call("g++", "-std=c++20", *INCREMENTAL, "-o", "incremental_pc", *self.flags())
+        self.assert_works_without_a_daemon(self.folder / "incremental_pc", "3", "0")
         self.call("gcc", C_CLIENT, "-o", "client_pc", *self.flags())
         self.assertIn("vdispd", self.call(self.folder / "client_pc").stdout)
 
@@ -114,6 +119,9 @@ class Install(unittest.TestCase):
         planner = self.prefix / "bin/vdisp-planner"
         self.assertIn("usage: vdisp-planner", self.call(planner, "--nonsense", code=64).stderr)
         self.assert_works_without_a_daemon(planner)
+        incremental = self.prefix / "bin/vdisp-incremental-planner"
+        self.assertIn("usage: vdisp-incremental-planner", self.call(incremental, code=64).stderr)
+        self.assert_works_without_a_daemon(incremental, "3", "0")
 
     def test_the_installed_daemon_finds_its_simulator(self):
         daemon = self.prefix / "bin/vdispd"

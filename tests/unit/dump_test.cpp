@@ -178,6 +178,19 @@ TEST_F(DumpTest, floor_model_becomes_a_member_with_null_for_what_was_not_measure
   EXPECT_EQ(frame["floor"]["reason"], "no_calibration");
 }
 
+TEST_F(DumpTest, changes_of_the_map_become_generation_and_count) {
+  BufferOutlet outlet(record_spec<MapChanges>());
+  auto& changes = make_record<MapChanges>(outlet.loan());
+  changes.generation = 7;
+  changes.count = 2;
+  FrameDump dump(root_ / "000000");
+  dump.add("map_changes", outlet.loan());
+  dump.finish();
+  const auto frame = nlohmann::json::parse(read(root_ / "000000/frame.json"));
+  EXPECT_EQ(frame["map_changes"], nlohmann::json::parse(R"({"generation": 7, "count": 2})"));
+  EXPECT_FALSE(fs::exists(root_ / "000000/map_changes.png"));
+}
+
 TEST_F(DumpTest, truth_of_the_simulator_becomes_a_member_with_its_objects) {
   BufferOutlet outlet(record_spec<TruthScene>());
   auto& scene = make_record<TruthScene>(outlet.loan());

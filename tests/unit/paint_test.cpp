@@ -200,6 +200,28 @@ TEST(Readout, records_become_lines_and_blind_ones_their_reason) {
   EXPECT_EQ(record_text(outlet.loan()).at(0), "blind: " + std::string(describe(Reason::few_points)));
 }
 
+TEST(Readout, changes_of_the_map_are_counted_and_the_first_ones_shown) {
+  BufferOutlet outlet(record_spec<MapChanges>());
+  auto& changes = make_record<MapChanges>(outlet.loan());
+  changes.generation = 9;
+  changes.previous = 8;
+  changes.count = changes.changed = 14;
+  changes.cells[0] = {3, 20, -1, 0};
+  changes.cells[1] = {4, 5, 80, 0};
+  auto lines = record_text(outlet.loan());
+  ASSERT_EQ(lines.size(), 15u);
+  EXPECT_EQ(lines[0], "generation  9, before 8");
+  EXPECT_EQ(lines[1], "changed     14 cells, 14 listed");
+  EXPECT_EQ(lines[2], "row   3  column  20  unknown");
+  EXPECT_EQ(lines[3], "row   4  column   5  80 %");
+  EXPECT_EQ(lines[14], "and 2 more");
+  changes.whole = WholeGrid::overflow;
+  changes.count = 0;
+  lines = record_text(outlet.loan());
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[2], "read all    more than the list holds");
+}
+
 class MapText : public testing::Test {
  protected:
   MapText() : outlet_(blank(Pixel::count16, 51, 50)) { give_grid(outlet_.loan()); }

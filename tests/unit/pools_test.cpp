@@ -30,6 +30,11 @@ TEST(Pools, map_and_decision_share_with_nobody_even_where_the_size_is_the_same) 
   EXPECT_NE(plan.topics.at("decision"), plan.topics.at("other"));
 }
 
+TEST(Pools, what_a_planner_follows_is_not_starved_by_another_record_of_its_size) {
+  const PoolPlan plan = plan_pools({{"map_changes", record_spec<MapChanges>()}, {"other", record_spec<MapChanges>()}});
+  EXPECT_NE(plan.topics.at("map_changes"), plan.topics.at("other"));
+}
+
 TEST(Pools, are_ascending_and_every_topic_fits_its_own) {
   const TopicList topics{{"left", gray},   {"heartbeat", record_spec<Heartbeat>()},    {"map", cells},
                          {"limit", cells}, {"floor_model", record_spec<FloorModel>()}, {"catalogue", record_spec<Catalogue>()}};
