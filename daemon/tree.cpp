@@ -49,9 +49,10 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
   } else if (floors) {
     const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config), {disparity, left}, Need::always);
-    const auto over = driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1]});
+    const auto over =
+        driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1]});
     const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
-                   {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
+                                       {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
     driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
     driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
 

@@ -65,8 +65,9 @@ ordered_json floor_json(const Image& image) {
   json["held_s"] = number(floor ? floor->held_s : none);
   json["profile"] = ordered_json::array();
   for (uint32_t i = 0; floor && i < std::min(floor->profile_count, FloorModel::profile_capacity); ++i) {
-    json["profile"].push_back({{"ahead_m", number(static_cast<double>(floor->profile_start_m + static_cast<float>(i) * floor->profile_step_m))},
-                               {"height_m", number(static_cast<double>(floor->profile_m[i]))}});
+    json["profile"].push_back(
+        {{"ahead_m", number(static_cast<double>(floor->profile_start_m + static_cast<float>(i) * floor->profile_step_m))},
+         {"height_m", number(static_cast<double>(floor->profile_m[i]))}});
   }
   return json;
 }

@@ -46,8 +46,13 @@ enum class CellReason : uint8_t {
   overhang,         ///< unknown: only what hangs over it is seen
   too_near,         ///< unknown: nearer than the camera can match
   occluded,         ///< unknown: something nearer hides it
-  too_dark, too_bright, no_texture, not_unique, left_right, speckle,  ///< unknown: why its pixels have no disparity
-  rejected,         ///< unknown: refused otherwise
+  too_dark,
+  too_bright,
+  no_texture,
+  not_unique,
+  left_right,
+  speckle,   ///< unknown: why its pixels have no disparity
+  rejected,  ///< unknown: refused otherwise
 };
 inline constexpr size_t cell_reasons = 14;
 

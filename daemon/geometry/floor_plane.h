@@ -8,8 +8,8 @@
 
 namespace vdisp {
 
-/// d' = across (u - cx) + down (v - cy) + middle, px: what the flat ground would have at column u, row v. With n the unit vector straight down
-/// in the camera frame and H the height of the camera, d' = B / H (n.x (u - cx) + n.y (v - cy) + n.z f).
+/// d' = across (u - cx) + down (v - cy) + middle, px: what the flat ground would have at column u, row v. With n the unit vector straight
+/// down in the camera frame and H the height of the camera, d' = B / H (n.x (u - cx) + n.y (v - cy) + n.z f).
 struct FloorPlane {
   double across = 0, down = 0, middle = 0;
 

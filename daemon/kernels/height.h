@@ -17,8 +17,8 @@ enum class Surface : uint8_t {
   below,     ///< under the floor
 };
 
-/// height = camera - scale * d_floor / d' - profile[d], mm, where d_floor = first + u * step is the plane's true disparity at column u. `camera` and
-/// `scale` are both the height of the camera, mm.
+/// height = camera - scale * d_floor / d' - profile[d], mm, where d_floor = first + u * step is the plane's true disparity at column u.
+/// `camera` and `scale` are both the height of the camera, mm.
 struct HeightRow {
   float camera, first, step;
   float step_mm;       ///< above: obstacle
@@ -31,8 +31,8 @@ struct HeightTables {
   const float *inverse, *profile;
 };
 
-/// One row of `n` disparities: height in mm, rounded towards zero and held within +-32000 (`none` where there is no disparity), the surface, and the
-/// disparity again where it is an obstacle and where it is an overhang, else `refused`.
+/// One row of `n` disparities: height in mm, rounded towards zero and held within +-32000 (`none` where there is no disparity), the
+/// surface, and the disparity again where it is an obstacle and where it is an overhang, else `refused`.
 struct HeightOut {
   int16_t* height;
   uint8_t* surface;

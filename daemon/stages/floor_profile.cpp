@@ -8,10 +8,10 @@
 namespace vdisp {
 namespace {
 
-constexpr double roughness = 0.02;     // m, of ground that is one with its profile
+constexpr double roughness = 0.02;        // m, of ground that is one with its profile
 constexpr double disparity_noise = 0.35;  // px
-constexpr float most_counted = 8;      // points of a distance: more say nothing new
-constexpr float least_carried = 2;     // points that show that the floor is there
+constexpr float most_counted = 8;         // points of a distance: more say nothing new
+constexpr float least_carried = 2;        // points that show that the floor is there
 constexpr float unlikely = 1e6f;
 constexpr float price_of_step = 0.10f, price_of_level = 0.002f, price_of_below = 1.2f;
 

@@ -11,8 +11,8 @@
 namespace vdisp {
 
 /// The cheapest way through a grid of distances and heights, by dynamic programming: points that lie on it pay, points seen below it cost
-/// (obstacles stand on the floor, nothing is seen through it), it neither rises nor falls more than `maxSlope` against the plane, and it falls only
-/// where it is seen to. So ramps, crests and bent ground are floor, and a kerb, a wall or a hole is not.
+/// (obstacles stand on the floor, nothing is seen through it), it neither rises nor falls more than `maxSlope` against the plane, and it
+/// falls only where it is seen to. So ramps, crests and bent ground are floor, and a kerb, a wall or a hole is not.
 class FloorProfile {
  public:
   explicit FloorProfile(const Config& config) : config_(config) {}
@@ -32,8 +32,8 @@ class FloorProfile {
   float& seen(int bin, int level) { return seen_[static_cast<size_t>(bin * levels + level)]; }
 
   const Config& config_;
-  std::vector<float> seen_;       // points by bin and level
-  std::vector<float> cost_;       // of the cheapest way to here
+  std::vector<float> seen_;        // points by bin and level
+  std::vector<float> cost_;        // of the cheapest way to here
   std::vector<int8_t> came_from_;  // level of the bin before, less this one
   int way_[bins] = {};
 };

@@ -11,7 +11,8 @@ namespace vdisp {
 
 std::vector<ImageSpec> Map::check(std::span<const ImageSpec> in) {
   if (in.size() != 2 && in.size() != 3)
-    throw FormatError("takes disparity, limit and floor model, or obstacles and floor model, was given " + std::to_string(in.size()) + " images");
+    throw FormatError("takes disparity, limit and floor model, or obstacles and floor model, was given " + std::to_string(in.size()) +
+                      " images");
   require(in[0], Pixel::disparity16, "the disparity");
   if (in.size() == 3) require(in[1], Pixel::line16, "the limit");
   require(in.back(), Pixel::record, "the floor model");

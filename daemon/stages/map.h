@@ -10,7 +10,8 @@
 
 namespace vdisp {
 
-/// disparity16, limit and FloorModel, or the disparities of obstacles alone and FloorModel, to count16, row 0 farthest, the camera below the last row in the middle.
+/// disparity16, limit and FloorModel, or the disparities of obstacles alone and FloorModel, to count16, row 0 farthest, the camera below
+/// the last row in the middle.
 ///
 /// Where it departs from algorithm 4: axes as in geometry/frames.h (the paper changes them between 2.2 and 3.11); cells are
 /// half-open and what lies outside is ignored (at 5 m the paper's column leaves the map, at 0 m its row does); counts saturate.

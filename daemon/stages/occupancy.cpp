@@ -8,20 +8,20 @@
 namespace vdisp {
 namespace {
 
-constexpr double object_of_step = 0.5;   // the least object is this part of max_height higher than max_height
-constexpr double share_for_e = 0.24;     // pixels seen, of those expected, for 1 - 1 / e
-constexpr int occupied = 65;             // from here on a cell is an obstacle
-constexpr int least_weak = 50;           // what is less, and not on floor, is not told
+constexpr double object_of_step = 0.5;  // the least object is this part of max_height higher than max_height
+constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1 - 1 / e
+constexpr int occupied = 65;            // from here on a cell is an obstacle
+constexpr int least_weak = 50;          // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
-constexpr double uneven_of_step = 0.4;   // a cell's floor may be this part of max_height lower than the local floor
-constexpr double hole_of_step = 0.75;    // what is this part of max_height lower than the floor would go on is a drop-off
+constexpr double uneven_of_step = 0.4;                    // a cell's floor may be this part of max_height lower than the local floor
+constexpr double hole_of_step = 0.75;                     // what is this part of max_height lower than the floor would go on is a drop-off
 constexpr double visible_by = 0.09, beside_slope = 0.05;  // rad, m
-constexpr int least_hole = 4;            // samples
-constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
-constexpr int dark = 14, bright = 250;   // grey levels
-constexpr int floor_leads = 3;           // cells: floor no farther than this before a drop-off leads up to it
-constexpr int slope_cells = 5;           // that the ground's slope before a drop-off is taken from
-constexpr int edge_cells = 2;            // of a drop-off that are told; what lies behind is hidden
+constexpr int least_hole = 4;                             // samples
+constexpr double depth_off = 1.0, depth_share = 0.03;     // px, and of the disparity: as deep as the cell
+constexpr int dark = 14, bright = 250;                    // grey levels
+constexpr int floor_leads = 3;                            // cells: floor no farther than this before a drop-off leads up to it
+constexpr int slope_cells = 5;                            // that the ground's slope before a drop-off is taken from
+constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
 
 CellReason reason_of(uint8_t code) {
   switch (static_cast<Rejected>(code)) {
@@ -39,7 +39,9 @@ CellReason reason_of(uint8_t code) {
 }  // namespace
 
 std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
-  if (in.size() != 7) throw FormatError("takes disparity, surface, height, obstacles, overhangs, floor model and left view, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 7)
+    throw FormatError("takes disparity, surface, height, obstacles, overhangs, floor model and left view, was given " +
+                      std::to_string(in.size()) + " images");
   require(in[0], Pixel::disparity16, "the disparity");
   require(in[1], Pixel::gray8, "the surface");
   require(in[2], Pixel::height16, "the height");
@@ -82,7 +84,8 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
   const kernels::Search search = search_of(disparity.camera, static_cast<int>(all_limit_.size()));
   const auto count = [&](const Image& pixels, std::vector<int16_t>& cells) {
     std::fill(cells.begin(), cells.end(), int16_t{0});
-    machine_.kernels.count_cells(plane<int16_t>(pixels), search, all_limit_.data(), ground, {cells.data(), columns_, rows_, columns_}, scratch_);
+    machine_.kernels.count_cells(plane<int16_t>(pixels), search, all_limit_.data(), ground, {cells.data(), columns_, rows_, columns_},
+                                 scratch_);
   };
   count(*in[3], obstacles_);
   count(*in[4], overhangs_);
@@ -105,7 +108,8 @@ Occupancy::Box Occupancy::box(const Inputs& in, int row, int column) const noexc
   const double least = 0.05;
   if (a.z < least || b.z < least) return box;
   const double f = in.view.f, fb = f * in.view.baseline;
-  const double u0 = in.view.cx + f * a.x / a.z, u1 = in.view.cx + f * b.x / b.z, v0 = in.view.cy + f * a.y / a.z, v1 = in.view.cy + f * b.y / b.z;
+  const double u0 = in.view.cx + f * a.x / a.z, u1 = in.view.cx + f * b.x / b.z, v0 = in.view.cy + f * a.y / a.z,
+               v1 = in.view.cy + f * b.y / b.z;
   // The columns of the middle of the cell, not of its corners, or wide views would look far beside it.
   const double middle_z = (a.z + b.z) / 2, middle_u = (u0 + u1) / 2, half = f * cell / middle_z / 2;
   box = {middle_u - half, middle_u + half, std::min(v0, v1), std::max(v0, v1), fb / b.z, fb / a.z};
@@ -114,9 +118,11 @@ Occupancy::Box Occupancy::box(const Inputs& in, int row, int column) const noexc
 
 void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexcept {
   const int width = in.disparity.spec.width, rows = in.disparity.spec.height;
-  const double left = std::max(box.left, 0.0), right = std::min(box.right, width - 1.0), top = std::max(box.top, 0.0), bottom = std::min(box.bottom, rows - 1.0);
+  const double left = std::max(box.left, 0.0), right = std::min(box.right, width - 1.0), top = std::max(box.top, 0.0),
+               bottom = std::min(box.bottom, rows - 1.0);
   if (!(right > left) || bottom < top || box.d_near <= 0) return;
-  const int across = std::clamp(static_cast<int>(right - left), 1, most_samples), down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
+  const int across = std::clamp(static_cast<int>(right - left), 1, most_samples),
+            down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
   const double least = 16 * ((1 - depth_share) * box.d_far - depth_off + in.view.cx_offset);
   const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
   const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
@@ -129,14 +135,17 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
       ++tally.all;
       const auto what = static_cast<kernels::Surface>(surface[u]);
       if (what == kernels::Surface::none) {
-        const CellReason why = grey[u] < dark ? CellReason::too_dark : grey[u] >= bright ? CellReason::too_bright : reason_of(rejected_code(d[u]));
+        const CellReason why = grey[u] < dark      ? CellReason::too_dark
+                               : grey[u] >= bright ? CellReason::too_bright
+                                                   : reason_of(rejected_code(d[u]));
         ++tally.why[static_cast<size_t>(why)];
       } else if (d[u] > most) {
         ++tally.nearer;
       } else if (what == kernels::Surface::floor && d[u] >= least && height[u] >= lowest) {
         ++tally.floor;
       } else if (what == kernels::Surface::floor || what == kernels::Surface::below) {
-        const double true_d = d[u] / 16.0 - in.view.cx_offset, ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
+        const double true_d = d[u] / 16.0 - in.view.cx_offset,
+                     ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
         ++tally.beyond;
         tally.height += height[u] / 1000.0 + in.floor.elevation(ahead);
         tally.ahead += ahead;
@@ -202,7 +211,8 @@ void Occupancy::shade(const Inputs& in, Image& occupancy, Image& reason) const n
       const int steps = static_cast<int>(std::ceil(reach * ahead));
       for (int step = 1; step <= steps; ++step) {
         const double part = 1 - step / ahead;
-        const int r = rows_ - 1 - static_cast<int>(std::floor(ahead - step)), c = static_cast<int>(std::floor(across * part + columns_ / 2.0));
+        const int r = rows_ - 1 - static_cast<int>(std::floor(ahead - step)),
+                  c = static_cast<int>(std::floor(across * part + columns_ / 2.0));
         if (r >= rows_ || c < 0 || c >= columns_) break;
         if (occupancy.row<int8_t>(r)[c] < occupied || !is(r, c, CellReason::obstacle)) continue;
         occupancy.row<int8_t>(row)[column] = -1;
@@ -225,7 +235,8 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) con
       const double edge = (rows_ - last_floor - 0.5) * cell, here = in.floor.elevation(edge);
       const double slope = std::min((here - in.floor.elevation(edge - slope_cells * cell)) / (slope_cells * cell), 0.0);
       // A slope falls away gradually, as far as it can be seen at all: 5 degrees less steep than the line of sight.
-      const double sight = std::atan2(in.pose.height - here, edge), steepest = std::tan(std::min(config_.floor.maxSlope, sight - visible_by));
+      const double sight = std::atan2(in.pose.height - here, edge),
+                   steepest = std::tan(std::min(config_.floor.maxSlope, sight - visible_by));
       const double past = (last_floor - row - 0.5) * cell, tangent = std::tan(sight);
       const double of_slope = steepest > 0 ? past * tangent * steepest / (tangent - steepest) + beside_slope : 0;
       const double depth = here + slope * (static_cast<double>(seen.ahead) - edge) - static_cast<double>(seen.height);

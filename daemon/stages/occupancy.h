@@ -13,11 +13,11 @@
 
 namespace vdisp {
 
-/// Disparity, surface (gray8), height16, obstacles and overhangs (disparity16), FloorModel and the left view to the map's grid twice: int8, -1 unknown, else
-/// 0..100; and gray8, the CellReason.
+/// Disparity, surface (gray8), height16, obstacles and overhangs (disparity16), FloorModel and the left view to the map's grid twice: int8,
+/// -1 unknown, else 0..100; and gray8, the CellReason.
 ///
-/// Obstacles: pixels that stand over a cell and its two neighbours ahead and behind, against those that an object of half max_height over the limit
-/// and a cell wide would give there, so that the same object counts the same at any range: 1 - exp(-seen / (0.24 expected)).
+/// Obstacles: pixels that stand over a cell and its two neighbours ahead and behind, against those that an object of half max_height over
+/// the limit and a cell wide would give there, so that the same object counts the same at any range: 1 - exp(-seen / (0.24 expected)).
 /// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that

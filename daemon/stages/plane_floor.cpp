@@ -11,12 +11,12 @@
 namespace vdisp {
 namespace {
 
-constexpr int dark = 14, bright = 250;                // grey levels
-constexpr double most_bright = 0.7;                   // share of the pixels
-constexpr double least_matched = 0.01;                // share of the pixels with a disparity
-constexpr double most_untextured = 0.97;              // share of the pixels refused for it
-constexpr double good_points = 300;                   // on the floor, of some 8000 looked at in 640x480
-constexpr double steady_s = 2;                        // time constant of the filtered pose
+constexpr int dark = 14, bright = 250;    // grey levels
+constexpr double most_bright = 0.7;       // share of the pixels
+constexpr double least_matched = 0.01;    // share of the pixels with a disparity
+constexpr double most_untextured = 0.97;  // share of the pixels refused for it
+constexpr double good_points = 300;       // on the floor, of some 8000 looked at in 640x480
+constexpr double steady_s = 2;            // time constant of the filtered pose
 
 }  // namespace
 

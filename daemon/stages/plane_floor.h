@@ -10,8 +10,8 @@
 
 namespace vdisp {
 
-/// disparity16 and the left view (gray8) to line16 (row of the local floor in the middle column for each column of the v-disparity, not clipped) and
-/// the record FloorModel.
+/// disparity16 and the left view (gray8) to line16 (row of the local floor in the middle column for each column of the v-disparity, not
+/// clipped) and the record FloorModel.
 ///
 /// found: measured in this frame. held: not found, and the last one found is taken, for at most `hold` s, and never where there is no
 /// light, no texture, or nothing that matches. lost: neither; blind, with the reason.

@@ -11,19 +11,21 @@
 namespace vdisp {
 namespace {
 
-constexpr int column_step = 12, row_step = 3;  // px of 640x480, larger images in proportion; rows, as far ground has few
+constexpr int column_step = 12, row_step = 3;             // px of 640x480, others in proportion; rows, as far ground has few
 constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disparity: rough ground is rough in proportion
-constexpr double least_on = 40, most_beyond = 0.5;  // points
+constexpr double least_on = 40, most_beyond = 0.5;        // points
 constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
-constexpr double bumps = 0.1;  // rad: pitch that driving adds
-constexpr double most_roll = 0.45, most_pitch = 1.35;  // rad
+constexpr double nearer_side = 0.7;
+constexpr double bumps = 0.1;                            // rad: pitch that driving adds
+constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
 // How far a floor may be off what was expected until that counts half of what lies on it.
 constexpr double usual_pitch = 0.3, usual_pitch_off = 0.5;  // where nothing is known of it: a wall is no floor
-constexpr double as_good = 0.9;                              // a fit may lose so much of what its first guess had
-constexpr double height_off = 0.25, pitch_off = 0.20, roll_off = 0.20, last_off = 0.15;
+constexpr double height_off = 0.25, pitch_off = 0.30, roll_off = 0.35, last_off = 0.15;
+
+int step(int of_standard, int size, int standard) { return std::max(of_standard * size / standard, 1); }
 
 double bell(double off, double half) { return 1 / (1 + off * off / (half * half)); }
 
@@ -34,7 +36,9 @@ double PlaneSearch::reach(double floor_disparity) {
 }
 
 void PlaneSearch::prepare(const ImageSpec& disparity) {
-  const size_t room = kernels::point_room((disparity.width / column_step + 2u) * (disparity.height / row_step + 2u));
+  const auto steps = [](int size, int step) { return static_cast<size_t>(size / step + 2); };
+  const size_t room = kernels::point_room(steps(disparity.width, step(column_step, disparity.width, 640)) *
+                                          steps(disparity.height, step(row_step, disparity.height, 480)));
   for (auto* list : {&u_, &v_, &d_}) list->assign(room, 0.0f);
   for (auto* list : {&feet_u_, &feet_v_, &feet_d_}) list->assign(kernels::point_room(strips * feet_of_strip), 0.0f);
 }
@@ -42,7 +46,7 @@ void PlaneSearch::prepare(const ImageSpec& disparity) {
 size_t PlaneSearch::collect(const Image& disparity) {
   const CameraGeometry& g = disparity.camera;
   const kernels::Search search = search_of(g, 16 * g.disparities);
-  const int across = std::max(column_step, disparity.spec.width * column_step / 640), down = std::max(row_step, disparity.spec.height * row_step / 480);
+  const int across = step(column_step, disparity.spec.width, 640), down = step(row_step, disparity.spec.height, 480);
   n_ = feet_ = 0;
   std::array<int, strips> taken{};
   for (int v = disparity.spec.height - 1 - down / 2; v >= 0; v -= down) {
@@ -72,7 +76,8 @@ bool PlaneSearch::holds(const Found& found) {
 bool PlaneSearch::within_mounting(const PlanePose& pose) const {
   const auto& m = config_.mounting;
   const double pitch = config_.expected_pitch();
-  return std::abs(pose.height / m.height - 1) <= 1.5 * m.heightTolerance && (std::isnan(pitch) || std::abs(pose.pitch - pitch) <= 2 * m.pitchTolerance + bumps);
+  return std::abs(pose.height / m.height - 1) <= 1.5 * m.heightTolerance &&
+         (std::isnan(pitch) || std::abs(pose.pitch - pitch) <= m.pitchTolerance + bumps);
 }
 
 std::optional<FloorPlane> PlaneSearch::through_three(Random& random) const {
@@ -103,10 +108,12 @@ std::optional<FloorPlane> PlaneSearch::through_one(Random& random, const StereoV
 
 std::optional<FloorPlane> PlaneSearch::draw(int kind, Random& random, const StereoView& view) const {
   const double chance = static_cast<double>(random() % 2001) / 1000 - 1;  // -1..1
-  const double expected_roll = last_roll_.value_or(config_.mounting.roll), roll = random() % 2 ? expected_roll : expected_roll + 0.12 * chance;
+  const double expected_roll = last_roll_.value_or(config_.mounting.roll),
+               roll = random() % 2 ? expected_roll : expected_roll + 0.12 * chance;
   if (kind == 0) return through_three(random);
   if (kind == 1) return through_two(random, roll);
-  const double spread = config_.mounting.heightTolerance, height = config_.mounting.height * (1 + spread * (static_cast<double>(random() % 2001) / 1000 - 1));
+  const double spread = config_.mounting.heightTolerance,
+               height = config_.mounting.height * (1 + spread * (static_cast<double>(random() % 2001) / 1000 - 1));
   return view.calibrated() && height > 0 ? through_one(random, view, roll, height) : through_two(random, expected_roll);
 }
 
@@ -134,7 +141,8 @@ PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView&
   const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
   found.all = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
   found.feet = machine_.kernels.count_on_plane({feet_u_.data(), feet_v_.data(), feet_d_.data()}, feet_, single, plane_reach);
-  const double all = found.all.on - price_of_beyond * found.all.beyond, feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
+  const double all = found.all.on - price_of_beyond * found.all.beyond,
+               feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
   found.score *= std::max(0.0, all + weight_of_feet * feet);
   return found;
 }
@@ -144,7 +152,9 @@ FloorPlane PlaneSearch::refine(FloorPlane plane) const {
     double s[3][4]{};
     for (size_t i = 0; i < n_; ++i) {
       const auto [u, v, d] = point(i);
-      const double floor = plane.across * u + plane.down * v + plane.middle, limit = width * reach(floor), off = (d - floor) / limit;
+      // What stands on the floor is nearer: on that side less is allowed for.
+      const double floor = plane.across * u + plane.down * v + plane.middle, limit = width * reach(floor) * (d > floor ? nearer_side : 1);
+      const double off = (d - floor) / limit;
       if (!(floor > 0) || std::abs(off) >= 1) continue;
       const double weight = (1 - off * off) * (1 - off * off), x[4] = {u, v, 1, d};
       for (int r = 0; r < 3; ++r)
@@ -195,9 +205,9 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
   }
   std::optional<Found> winner;
   for (size_t i = 0; i < count; ++i) {
-    Found found = judge(refine(best[i].plane), view, last);
-    if (found.score < as_good * best[i].score) found = best[i];
-    if (!winner || found.score > winner->score) winner = found;
+    // What a fit makes of a guess counts, not the guess: a guess is as near as it may be to what was expected.
+    const Found found = judge(refine(best[i].plane), view, last);
+    if (found.score > 0 && (!winner || found.score > winner->score)) winner = found;
   }
   return winner;
 }

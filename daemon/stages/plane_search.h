@@ -15,10 +15,10 @@
 namespace vdisp {
 
 /// Random planes through points of the disparity image, judged by what lies on them, less what lies beyond them (nothing is seen through a
-/// floor, though over its edge), the ground at the rover's feet above all, and by how well they agree with the mounting and the last floor. A floor
-/// within the mounting's tolerances is looked for first, any floor where there is none. Points are drawn by threes; by twos, with a roll taken for granted; and
-/// one by one, with roll and height, which finds a floor of which hardly anything is seen. The best are fitted to their points, with
-/// Tukey's weights.
+/// floor, though over its edge), the ground at the rover's feet above all, and by how well they agree with the mounting and the last floor.
+/// A floor within the mounting's tolerances is looked for first, any floor where there is none. Points are drawn by threes; by twos, with a
+/// roll taken for granted; and one by one, with roll and height, which finds a floor of which hardly anything is seen. The best are fitted
+/// to their points, with Tukey's weights.
 class PlaneSearch {
  public:
   PlaneSearch(Machine& machine, const Config& config) : machine_(machine), config_(config) {}

@@ -21,7 +21,8 @@ inline StereoView stereo_view(const Image& image) {
 /// The line's pitch is told by the operator or the line; planes have measured theirs, and their roll.
 inline bool measures_roll(const FloorModel& floor) { return floor.model != FloorKind::line; }
 
-/// Pitch for metres: with a plane or profile the measured one, else the number in angRot, or with angRot = auto the one measured from the floor. NaN: not known.
+/// Pitch for metres: with a plane or profile the measured one, else the number in angRot, or with angRot = auto the one measured from the
+/// floor. NaN: not known.
 inline double pitch_in_use(const Config& config, const FloorModel& floor) {
   return config.automatic_pitch() || measures_roll(floor) ? floor.pitch_rad : config.limit.angRot;
 }

@@ -23,7 +23,10 @@ std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
   inverse_.assign(columns, 0.0f);
   profile_.assign(columns, 0.0f);
   const uint16_t width = in[0].width, height = in[0].height;
-  return {{Pixel::height16, 0, width, height}, {Pixel::gray8, 0, width, height}, {Pixel::disparity16, 0, width, height}, {Pixel::disparity16, 0, width, height}};
+  return {{Pixel::height16, 0, width, height},
+          {Pixel::gray8, 0, width, height},
+          {Pixel::disparity16, 0, width, height},
+          {Pixel::disparity16, 0, width, height}};
 }
 
 Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
@@ -44,8 +47,12 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
   const double max_height = config_.limit.max_height;
   for (Image* image : out) image->flags |= in[1]->flags & flag_held;
   machine_.bands.run(disparity.spec.height, least_band, [&](int first, int last, int) {
-    kernels::HeightRow row{static_cast<float>(camera_mm), 0, static_cast<float>(plane.across), static_cast<float>(1000 * max_height),
-                           static_cast<float>(1000 * config_.limit.clearance), static_cast<float>(1000 * hole_of_step * max_height)};
+    kernels::HeightRow row{static_cast<float>(camera_mm),
+                           0,
+                           static_cast<float>(plane.across),
+                           static_cast<float>(1000 * max_height),
+                           static_cast<float>(1000 * config_.limit.clearance),
+                           static_cast<float>(1000 * hole_of_step * max_height)};
     for (int v = first; v < last; ++v) {
       row.first = static_cast<float>(plane.at(0, v, view));
       machine_.kernels.measure_heights(disparity.row<int16_t>(v), disparity.spec.width, search, row, {inverse_.data(), profile_.data()},

@@ -15,8 +15,8 @@ namespace vdisp {
 ///   disparity16  the disparities of obstacles alone, all others refused
 ///   disparity16  those of overhangs
 ///
-/// A pixel with the true disparity d' lies H (1 - d_floor / d') over the plane of a camera H high, with d_floor what the plane has there: for both
-/// points of a ray, distances over the plane and depths are in proportion.
+/// A pixel with the true disparity d' lies H (1 - d_floor / d') over the plane of a camera H high, with d_floor what the plane has there:
+/// for both points of a ray, distances over the plane and depths are in proportion.
 class Surfaces final : public ImageProcessor {
  public:
   Surfaces(Machine& machine, const Config& config) : machine_(machine), config_(config) {}

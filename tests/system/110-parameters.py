@@ -4,6 +4,7 @@
 SPDX-License-Identifier: Apache-2.0
 """
 import os
+import pathlib
 import re
 import subprocess
 import time
@@ -274,7 +275,7 @@ class Parameters(ProgramTest):
         def middle(dumped):
             cells = dumped.picture("map").astype(float)
             return (cells.sum(0) @ numpy.arange(cells.shape[1])) / cells.sum()
-        self.falls("mounting.roll", [0, 0.3, 0.6], middle, "sim.pitch=-0.1", "Limit obstacle.angRot=-0.1", "sim.scene=obstacles")
+        self.falls("mounting.roll", [0, 0.3, 0.6], middle, "sim.pitch=-0.1", "Limit obstacle.angRot=-0.1", "sim.scene=obstacles", "Floor.model=line")
 
     def test_mounting_yaw_x_and_y(self):
         pose = self.dump("mounting.x=0.5", "mounting.y=-0.25", "mounting.yaw=0.125").grid("pose")
@@ -283,50 +284,89 @@ class Parameters(ProgramTest):
 
     # [Floor]
     def test_floor_model(self):
-        self.assertEqual(self.dump("Floor.model=line").floor("model"), "line")
+        for model in ("line", "plane", "profile"):
+            self.assertEqual(self.dump(f"Floor.model={model}").floor("model"), model)
+        # A bank is nothing to the line, and ground that rises is nothing to the plane.
+        self.assertIsNone(self.dump("Floor.model=line", "sim.roll=0.15").floor("roll_rad"))
+        self.assertAlmostEqual(self.dump("Floor.model=plane", "sim.roll=0.15").floor("roll_rad"), 0.15, delta=0.01)
+        ramp = ("sim.scene=empty", "sim.ground=ramp", "sim.slope=0.2")
+        self.assertEqual(self.dump("Floor.model=plane", *ramp).floor("profile"), [])
+        self.assertGreater(max(step["height_m"] for step in self.dump("Floor.model=profile", *ramp).floor("profile")), 0.2)
+
+    def test_floor_hold(self):
+        # The light goes on and off: nothing is held in the dark; a floor that is only hard to find is held for so long.
+        def held(seconds):
+            dumped = self.dump(f"Floor.hold={seconds}", "sim.scene=empty", "sim.event=dark", "sim.eventFrame=2", frames=4)
+            return [self.frame(dumped.folder, i)["floor"]["state"] for i in range(4)]
+        self.assertEqual(held(5)[1:], ["found", "lost", "lost"])
+        # Between two frames of a floor one of a wall that fills the view: 20 px everywhere, from 1.3 m ahead.
+        golden = pathlib.Path(__file__).resolve().parents[1] / "golden"
+        wall = numpy.random.default_rng(1).integers(0, 255, (240, 360), numpy.uint8)
+        for side, shift in (("left", 0), ("right", 20)):
+            (self.folder / side).mkdir(exist_ok=True)
+            for i, picture in enumerate((cv2.imread(str(golden / side / "000000.png"), 0), wall[:, shift:shift + 320],
+                                         cv2.imread(str(golden / side / "000002.png"), 0))):
+                cv2.imwrite(str(self.folder / side / f"{i}.png"), picture)
+        files = ["main.middleware=none", "main.debug=0", "image source.source=files", f"image source.left={self.folder}/left/%d.png",
+                 f"image source.right={self.folder}/right/%d.png", f"image source.paramfile={golden}/calibration.yml",
+                 "image source.rate=10", "image source.ndisp=32", "mounting.height=0.8"]
+        def bridged(seconds):
+            dumped = self.dump(f"Floor.hold={seconds}", frames=3, base=files)
+            return [self.frame(dumped.folder, i)["floor"]["state"] for i in range(3)]
+        self.assertEqual(bridged(1), ["found", "held", "found"])
+        self.assertEqual(bridged(0), ["found", "lost", "found"])
+
+    def test_floor_maxSlope(self):
+        # A ramp of 0.25 rad is floor to one who climbs it, and in the way of who does not.
+        self.falls("Floor.maxSlope", [0.05, 0.4], lambda d: (d.picture("occupancy") >= 65).sum() - (d.picture("occupancy") == 255).sum(),
+                   "sim.scene=empty", "sim.ground=ramp", "sim.slope=0.25")
 
     def test_floor_minVotes(self):
-        self.falls("Floor.minVotes", [0, 3, 10], lambda d: d.floor("points"))
+        self.falls("Floor.minVotes", [0, 3, 10], lambda d: d.floor("points"), "Floor.model=line")
 
     def test_floor_minRansac(self):
-        self.assertEqual(self.dump("Floor.minRansac=100").floor("state"), "found")
-        lost = self.dump("Floor.minRansac=100000")
+        self.assertEqual(self.dump("Floor.model=line", "Floor.minRansac=100").floor("state"), "found")
+        lost = self.dump("Floor.model=line", "Floor.minRansac=100000")
         self.assertEqual((lost.floor("state"), lost.json["reason"], lost.valid("map")), ("lost", "few_points", False))
 
     def test_floor_iterRansac(self):
         # The draws of a frame are the same: more of them never find a line with fewer points, and among many frames some with more.
         def points(iterations):
-            dumped = self.dump("sim.scene=obstacles", "sim.noise=12", "Floor.distThres=1", f"Floor.iterRansac={iterations}", frames=6)
+            dumped = self.dump("Floor.model=line", "sim.scene=obstacles", "sim.noise=12", "Floor.distThres=1", f"Floor.iterRansac={iterations}", frames=6)
             return sum(self.frame(dumped.folder, i)["floor"]["points"] for i in range(6))
         self.assertLess(points(10), points(400))
 
     def test_floor_anglefloorMin(self):
-        self.assertEqual(self.dump("Floor.anglefloorMin=0.3").floor("state"), "found")
-        above = self.dump("Floor.anglefloorMin=1.2", "Floor.anglefloorMax=1.5")
+        self.assertEqual(self.dump("Floor.model=line", "Floor.anglefloorMin=0.3").floor("state"), "found")
+        above = self.dump("Floor.model=line", "Floor.anglefloorMin=1.2", "Floor.anglefloorMax=1.5")
         self.assertTrue(above.floor("state") == "lost" or above.floor("a") > numpy.tan(1.2))
 
     def test_floor_anglefloorMax(self):
-        self.assertEqual(self.dump("Floor.anglefloorMax=0.7").floor("state"), "found")
-        below = self.dump("Floor.anglefloorMax=0.2")
+        self.assertEqual(self.dump("Floor.model=line", "Floor.anglefloorMax=0.7").floor("state"), "found")
+        below = self.dump("Floor.model=line", "Floor.anglefloorMax=0.2")
         self.assertTrue(below.floor("state") == "lost" or below.floor("a") < numpy.tan(0.2))
 
     def test_floor_distThres(self):
-        self.rises("Floor.distThres", [0.5, 2, 8], lambda d: d.floor("points"))
+        self.rises("Floor.distThres", [0.5, 2, 8], lambda d: d.floor("points"), "Floor.model=line")
 
     # [Limit obstacle]
     def test_limit_obstacle_max_height(self):
         self.falls("Limit obstacle.max_height", [0.1, 0.2, 0.4], lambda d: (d.picture("obstacles") > 0).sum())
         self.falls("Limit obstacle.max_height", [0.1, 0.2, 0.4], lambda d: d.line("limit")[300, 1])
 
+    def test_limit_obstacle_clearance(self):
+        # A beam at 1.2 m and more is in the way of who is higher than that.
+        self.rises("Limit obstacle.clearance", [0.9, 3], lambda d: (d.picture("obstacles") > 0).sum(), "sim.scene=overhangs", "sim.pitch=0.1")
+
     def test_limit_obstacle_and_map_angRot(self):
-        self.falls("Limit obstacle.angRot", [0, 0.26, 0.8], lambda d: d.line("limit")[300, 1])
+        self.falls("Limit obstacle.angRot", [0, 0.26, 0.8], lambda d: d.line("limit")[300, 1], "Floor.model=line")
         # What lies below the axis is taken to be nearer, the more the camera is taken to look down.
         def distance(dumped):
             cells = dumped.picture("map").astype(float)
             return (cells.sum(1) @ (50 - numpy.arange(50))) / cells.sum()
-        self.falls("Map.angRot", [0.3, 0.5, 0.8], distance, "sim.scene=obstacles")
-        self.assertFalse(numpy.array_equal(self.dump("Map.angRot=auto", "sim.pitch=0.4").picture("map"),
-                                           self.dump("Map.angRot=0.1", "sim.pitch=0.4").picture("map")))
+        self.falls("Map.angRot", [0.3, 0.5, 0.8], distance, "sim.scene=obstacles", "Floor.model=line")
+        self.assertFalse(numpy.array_equal(self.dump("Map.angRot=auto", "sim.pitch=0.4", "Floor.model=line").picture("map"),
+                                           self.dump("Map.angRot=0.1", "sim.pitch=0.4", "Floor.model=line").picture("map")))
 
     # [Map]
     def test_map_range(self):

@@ -88,10 +88,10 @@ TEST(RewrittenTest, the_shipped_file_reads_back_to_what_was_written) {
     if (row.when == When::live && row.kind == Kind::whole) values.emplace_back(&row, std::to_string(static_cast<int>(row.least)));
   std::ostringstream file;
   print_config(file, config);
-  const std::string text = rewritten(file.str(), values);
+  const std::string before = file.str(), text = rewritten(before, values);
   for (const auto& [row, value] : values)
     EXPECT_NE(text.find("\n" + std::string(row->key) + " = " + value + "\n"), text.npos) << row->name();
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), std::count(file.str().begin(), file.str().end(), '\n')) << "no line more or less";
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), std::count(before.begin(), before.end(), '\n')) << "no line more or less";
 }
 
 }  // namespace

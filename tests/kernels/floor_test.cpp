@@ -1,0 +1,107 @@
+// floor_test.cpp: points on a plane, and heights over the floor: the same at every level, and against arithmetic.
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+
+#include "tests/kernels/check.h"
+
+namespace vdisp::kernels {
+namespace {
+
+struct Cloud {
+  std::array<std::vector<float>, 3> lists;
+  explicit Cloud(size_t n, uint32_t seed) {
+    std::minstd_rand random(seed + 1);
+    for (auto& list : lists) list.assign(point_room(n), 0.0f);
+    for (size_t i = 0; i < n; ++i) {
+      lists[0][i] = static_cast<float>(random() % 640) - 320;
+      lists[1][i] = static_cast<float>(random() % 480) - 240;
+      lists[2][i] = static_cast<float>(random() % 1024) / 16;
+    }
+  }
+  DisparityPoints points() { return {lists[0].data(), lists[1].data(), lists[2].data()}; }
+};
+
+TEST(CountOnPlane, is_the_same_at_every_level) {
+  at_each_level([](const std::string&, const Kernels& k) {
+    for (size_t n : {0, 1, 3, 15, 16, 17, 64, 1000, 5003}) {
+      Cloud cloud(n, static_cast<uint32_t>(n));
+      for (const DisparityPlane& plane : {DisparityPlane{0, 0.11f, 20}, DisparityPlane{0.02f, 0.3f, -5}, DisparityPlane{0, 0, -1}}) {
+        const PlaneReach reach{0.75f, 0.03f};
+        ASSERT_EQ(k.count_on_plane(cloud.points(), n, plane, reach), plain::count_on_plane(cloud.points(), n, plane, reach)) << n;
+      }
+    }
+  });
+}
+
+TEST(CountOnPlane, counts_what_is_on_it_and_what_is_beyond_and_nothing_above_the_horizon) {
+  Cloud cloud(5, 0);
+  const float d[] = {10, 10.9f, 11.1f, 7.9f, 30};
+  for (size_t i = 0; i < 5; ++i) {
+    cloud.lists[0][i] = 0;
+    cloud.lists[1][i] = 100;
+    cloud.lists[2][i] = d[i];
+  }
+  const PlaneCount count = plain::count_on_plane(cloud.points(), 5, {0, 0.1f, 0}, {1, 0});
+  EXPECT_EQ(count.on, 2u) << "10 and 10.9 are within 1 px of 10";
+  EXPECT_EQ(count.beyond, 1u) << "7.9 is farther by more than 2 px; what is nearer stands on the floor";
+  EXPECT_EQ(plain::count_on_plane(cloud.points(), 5, {0, -0.1f, 0}, {100, 0}), PlaneCount{}) << "a plane above its horizon is nowhere";
+}
+
+struct Heights {
+  std::vector<int16_t> height, obstacles, overhangs;
+  std::vector<uint8_t> surface;
+  explicit Heights(size_t n) : height(n + 8, 7), obstacles(n + 8, 7), overhangs(n + 8, 7), surface(n + 8, 7) {}
+  HeightOut out() { return {height.data(), surface.data(), obstacles.data(), overhangs.data(), INT16_MIN, -32006}; }
+  bool operator==(const Heights&) const = default;
+};
+
+TEST(MeasureHeights, is_the_same_at_every_level) {
+  const Search search{-32, 16, 16 * 48};
+  std::vector<float> inverse(static_cast<size_t>(search.columns)), profile(inverse.size());
+  for (size_t i = 0; i < inverse.size(); ++i) {
+    inverse[i] = 800.0f * 16 / static_cast<float>(static_cast<int>(i) - 31);
+    profile[i] = static_cast<float>(i % 100) - 50;
+  }
+  at_each_level([&](const std::string&, const Kernels& k) {
+    for (int n : {1, 7, 16, 33, 640, 641}) {
+      std::minstd_rand random(static_cast<uint32_t>(n));
+      std::vector<int16_t> d(static_cast<size_t>(n));
+      for (auto& pixel : d) pixel = static_cast<int16_t>(random() % 3 ? random() % 800 : -32001);
+      Heights expected(d.size()), got(d.size());
+      const HeightRow row{800, 12.3f, 0.017f, 200, 900, 150};
+      plain::measure_heights(d.data(), n, search, row, {inverse.data(), profile.data()}, expected.out());
+      k.measure_heights(d.data(), n, search, row, {inverse.data(), profile.data()}, got.out());
+      ASSERT_EQ(got, expected) << n << " pixels";
+    }
+  });
+}
+
+/// A camera 0.8 m high sees the floor with 20 px: what has 40 px there lies halfway to it, and so halfway up.
+TEST(MeasureHeights, follow_from_the_proportion_of_disparities) {
+  const Search search{0, 16, 16 * 64};
+  std::vector<float> inverse(1024), profile(1024, 0.0f);
+  for (size_t i = 1; i < inverse.size(); ++i) inverse[i] = 800.0f * 16 / static_cast<float>(i);
+  profile[16 * 40] = 100;
+  const std::vector<int16_t> d{16 * 20, 16 * 40, 16 * 60, 16 * 16, 0};
+  Heights h(d.size());
+  plain::measure_heights(d.data(), 5, search, {800, 20, 0, 200, 500, 150}, {inverse.data(), profile.data()}, h.out());
+  EXPECT_EQ(h.height[0], 0);
+  EXPECT_EQ(h.height[1], 300) << "400 mm over the plane, and the local floor 100 mm";
+  EXPECT_EQ(h.height[2], 533);
+  EXPECT_EQ(h.height[3], -200) << "farther than the floor";
+  EXPECT_EQ(h.height[4], INT16_MIN);
+  const auto surface = [&](size_t i) { return static_cast<Surface>(h.surface[i]); };
+  EXPECT_EQ(surface(0), Surface::floor);
+  EXPECT_EQ(surface(1), Surface::obstacle);
+  EXPECT_EQ(surface(2), Surface::overhang);
+  EXPECT_EQ(surface(3), Surface::below);
+  EXPECT_EQ(surface(4), Surface::none);
+  EXPECT_EQ(h.obstacles[1], 16 * 40);
+  EXPECT_EQ(h.overhangs[2], 16 * 60);
+  EXPECT_EQ(h.obstacles[0], -32006);
+  EXPECT_EQ(h.height[5], 7) << "nothing is written behind the row";
+}
+
+}  // namespace
+}  // namespace vdisp::kernels

@@ -1,0 +1,221 @@
+// plane_floor_test.cpp: the floor as a plane and a profile, and the map with reasons; truth from points of planes, seen by the camera.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/plane_floor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "daemon/stages/occupancy.h"
+#include "daemon/stages/surfaces.h"
+#include "tests/support/picture.h"
+
+namespace vdisp {
+namespace {
+
+constexpr int width = 320, height = 240;
+constexpr StereoView view{288, 160, 120, 0.09, 0};
+constexpr double high = 0.8, pitch = 0.26;
+
+/// What a ray meets: a distance along the view in m, 0 for nothing.
+using Scene = std::function<double(const Point& ray)>;
+
+/// Ground `below` m under the camera that is banked by `roll`.
+Scene ground(double below, double roll = 0, double down = pitch) {
+  return [=](const Point& ray) {
+    const double fall = horizontal(ray, down, roll).y;
+    return fall > 1e-6 ? below / fall : 0;
+  };
+}
+
+/// An upright wall `ahead` m away, from the ground to `top` m over it, between two sides in m.
+Scene with_wall(const Scene& scene, double ahead, double top, double left = -10, double right = 10) {
+  return [=](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double z = ahead / h.z, over = high - h.y * z, across = h.x * z;
+    const double behind = scene(ray);
+    return over > 0 && over < top && across > left && across < right && (behind == 0 || z < behind) ? z : behind;
+  };
+}
+
+struct PlaneFloorTest : testing::Test {
+  Config config;
+  Machine machine;
+  Picture disparity{Pixel::disparity16, width, height}, left{Pixel::gray8, width, height};
+  std::unique_ptr<PlaneFloor> stage;
+  std::vector<std::unique_ptr<Picture>> floor, over, ground_map;
+
+  void SetUp() override {
+    config.image_source.ndisp = 64;
+    config.floor.model = "profile";
+    disparity.image().camera = {static_cast<float>(view.f), static_cast<float>(view.cx), static_cast<float>(view.cy), static_cast<float>(view.baseline), 0, 0, 64, {}};
+    left.fill<uint8_t>([](int, int) { return uint8_t{100}; });
+  }
+  void see(const Scene& scene) {
+    disparity.fill<int16_t>([&](int v, int u) {
+      const double z = scene({(u - view.cx) / view.f, (v - view.cy) / view.f, 1});
+      const long d = z > 0 ? std::lround(16 * view.disparity(z)) : 0;
+      return d > 0 && d < 16 * 64 ? static_cast<int16_t>(d) : rejected(Rejected::low_texture);
+    });
+  }
+  Outcome find(int64_t ms = 0) {
+    if (!stage) stage = std::make_unique<PlaneFloor>(machine, config);
+    disparity.image().timestamp_ns = ms * 1'000'000;
+    return run_stage(*stage, {&disparity, &left}, floor);
+  }
+  const FloorModel& model() { return *record_of<FloorModel>(floor.at(1)->image()); }
+  Reason reason() { return floor.at(0)->image().reason; }
+  void map() {
+    Surfaces surfaces(machine, config);
+    ASSERT_EQ(run_stage(surfaces, {&disparity, floor[1].get()}, over), Outcome::valid);
+    Occupancy occupancy(machine, config);
+    ASSERT_EQ(run_stage(occupancy, {&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), floor[1].get(), &left}, ground_map), Outcome::valid);
+  }
+  static int row_of(double ahead) { return 49 - static_cast<int>(ahead / 0.1); }
+  static int column_of(double right) { return static_cast<int>(std::floor(right / 0.1 + 25.5)); }
+  int risk(double ahead, double right) { return ground_map[0]->at<int8_t>(row_of(ahead), column_of(right)); }
+  CellReason why(double ahead, double right) { return static_cast<CellReason>(ground_map[1]->at<uint8_t>(row_of(ahead), column_of(right))); }
+};
+
+TEST_F(PlaneFloorTest, measures_pitch_roll_and_height_of_banked_ground) {
+  for (double roll : {-0.17, 0.0, 0.17}) {
+    stage.reset();
+    see(ground(high, roll));
+    ASSERT_EQ(find(), Outcome::valid) << roll;
+    EXPECT_NEAR(model().pitch_rad, pitch, 0.003) << roll;
+    EXPECT_NEAR(model().roll_rad, roll, 0.003);
+    EXPECT_NEAR(model().height_m, high, 0.005);
+    EXPECT_EQ(model().state, FloorState::found);
+  }
+}
+
+TEST_F(PlaneFloorTest, a_wall_that_fills_most_of_the_view_is_not_the_floor) {
+  config.mounting.height = 0.8f;
+  see(with_wall(ground(high), 1.5, 2));
+  ASSERT_EQ(find(), Outcome::valid);
+  EXPECT_NEAR(model().pitch_rad, pitch, 0.02);
+  EXPECT_NEAR(model().height_m, high, 0.02);
+}
+
+TEST_F(PlaneFloorTest, the_ground_at_the_feet_is_the_floor_however_much_lies_lower) {
+  config.mounting.height = 0.8f;
+  const Scene low = ground(1.4), near = ground(high);
+  see([&](const Point& ray) {
+    const double z = near(ray);
+    return z > 0 && horizontal({ray.x * z, ray.y * z, z}, pitch).z < 1.4 ? z : low(ray);
+  });
+  ASSERT_EQ(find(), Outcome::valid);
+  EXPECT_NEAR(model().height_m, high, 0.02);
+  map();
+  EXPECT_EQ(why(1.25, 0), CellReason::floor);
+  bool edge = false;
+  for (double ahead = 1.35; ahead < 1.75; ahead += 0.1) edge = edge || (why(ahead, 0) == CellReason::drop_off && risk(ahead, 0) == 100);
+  EXPECT_TRUE(edge) << "0.6 m down from 1.4 m on";
+  for (double ahead = 1.75; ahead < 4; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead << " m: the bottom is no floor of this rover";
+}
+
+TEST_F(PlaneFloorTest, the_profile_follows_a_ramp) {
+  constexpr double foot = 2, rise = 0.2;
+  const Scene flat = ground(high);
+  see([&](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double on_ramp = (high + rise * foot) / (h.y + rise * h.z), z = flat(ray);
+    return on_ramp > 0 && on_ramp * h.z > foot && (z == 0 || on_ramp < z) ? on_ramp : z;
+  });
+  ASSERT_EQ(find(), Outcome::valid);
+  const LocalFloor local(model(), view);
+  const auto rises = [&](double from, double to) { return local.elevation(to) - local.elevation(from) + (to - from) * std::tan(model().pitch_rad - pitch); };
+  EXPECT_NEAR(rises(2.5, 4), 0.3, 0.06);
+  map();
+  for (double ahead = 1.2; ahead < 4; ahead += 0.1) EXPECT_LT(risk(ahead, 0), 65) << ahead;
+}
+
+TEST_F(PlaneFloorTest, a_wall_is_an_obstacle_and_hides_what_lies_behind_it) {
+  see(with_wall(ground(high), 2.55, 0.5, -0.4, 0.4));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  EXPECT_GE(risk(2.55, 0), 65);
+  EXPECT_EQ(why(2.55, 0), CellReason::obstacle);
+  EXPECT_EQ(why(2, 0), CellReason::floor);
+  EXPECT_LE(risk(2, 0), 40);
+  for (double ahead = 2.75; ahead < 4; ahead += 0.1) {
+    EXPECT_EQ(risk(ahead, 0), -1) << ahead;
+    EXPECT_EQ(why(ahead, 0), CellReason::occluded) << ahead;
+  }
+  EXPECT_EQ(why(0.5, 0), CellReason::out_of_view);
+  EXPECT_EQ(why(4, 2.4), CellReason::out_of_view);
+}
+
+TEST_F(PlaneFloorTest, the_same_object_counts_the_same_near_and_far) {
+  std::vector<int> risks;
+  for (double ahead : {1.55, 3.55}) {
+    stage.reset();
+    see(with_wall(ground(high), ahead, 0.3, -0.15, 0.15));
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    risks.push_back(std::max(risk(ahead, 0), risk(ahead + 0.1, 0)));
+  }
+  EXPECT_GE(risks[0], 90);
+  EXPECT_NEAR(risks[0], risks[1], 10);
+}
+
+TEST_F(PlaneFloorTest, what_hangs_higher_than_the_clearance_is_not_in_the_way) {
+  config.limit.clearance = 1;
+  const Scene flat = ground(high);
+  see([&](const Point& ray) {  // a beam 1.2 to 1.5 m over the ground, 2.55 m ahead
+    const Point h = horizontal(ray, pitch);
+    const double z = 2.55 / h.z, up = high - h.y * z;
+    return up > 1.2 && up < 1.5 ? z : flat(ray);
+  });
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  EXPECT_LT(risk(2.55, 0), 65);
+}
+
+TEST_F(PlaneFloorTest, darkness_glare_and_blank_walls_are_blind_at_once_and_never_held) {
+  see(ground(high));
+  ASSERT_EQ(find(0), Outcome::valid);
+  left.fill<uint8_t>([](int, int) { return uint8_t{3}; });
+  EXPECT_EQ(find(10), Outcome::invalid);
+  EXPECT_EQ(reason(), Reason::too_dark);
+  left.fill<uint8_t>([](int, int) { return uint8_t{255}; });
+  EXPECT_EQ(find(20), Outcome::invalid);
+  EXPECT_EQ(reason(), Reason::too_bright);
+  left.fill<uint8_t>([](int, int) { return uint8_t{100}; });
+  disparity.fill<int16_t>([](int, int) { return rejected(Rejected::low_texture); });
+  EXPECT_EQ(find(30), Outcome::invalid);
+  EXPECT_EQ(reason(), Reason::no_texture);
+  disparity.fill<int16_t>([](int, int) { return rejected(Rejected::not_unique); });
+  EXPECT_EQ(find(40), Outcome::invalid);
+  EXPECT_EQ(reason(), Reason::no_matches) << "texture, and nothing matches: blocked";
+}
+
+TEST_F(PlaneFloorTest, a_floor_out_of_sight_is_held_as_long_as_told) {
+  config.floor.hold = 0.5;
+  see(ground(high));
+  ASSERT_EQ(find(0), Outcome::valid);
+  see([](const Point&) { return 0.6; });  // something flat fills the view
+  ASSERT_EQ(find(400), Outcome::valid);
+  EXPECT_EQ(model().state, FloorState::held);
+  EXPECT_EQ(model().reason, Reason::no_floor);
+  EXPECT_NEAR(model().held_s, 0.4, 1e-6);
+  EXPECT_TRUE(floor[1]->image().flags & flag_held);
+  EXPECT_EQ(find(600), Outcome::invalid);
+  EXPECT_EQ(reason(), Reason::no_floor);
+}
+
+TEST_F(PlaneFloorTest, a_wrong_mounting_is_said_with_what_was_measured) {
+  config.mounting.height = 1.6f;
+  see(ground(high));
+  ASSERT_EQ(find(), Outcome::valid);
+  EXPECT_NEAR(model().height_m, high, 0.02);
+  EXPECT_EQ(model().mounting_differs, 1u);
+  config.mounting.height = 0.8f;
+  stage.reset();
+  ASSERT_EQ(find(), Outcome::valid);
+  EXPECT_EQ(model().mounting_differs, 0u);
+}
+
+}  // namespace
+}  // namespace vdisp
