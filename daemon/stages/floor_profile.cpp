@@ -57,6 +57,7 @@ void FloorProfile::find_way(const FloorModel& model, const StereoView& view, con
     const double z = scale.start + bin * scale.step;
     const double noise = model.height_m * disparity_noise * std::hypot(z, model.height_m) / (view.f * view.baseline);
     const int on = std::clamp(static_cast<int>((roughness + 1.5 * noise) / scale.level), 1, middle / 2), gap = 2 * on;
+    band_[bin] = on;
     float* cost = &cost_[static_cast<size_t>(bin * levels)];
     float all = 0, sums[levels + 1];
     for (int level = 0; level < levels; ++level) {
@@ -109,14 +110,21 @@ void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
   model.profile_step_m = static_cast<float>(scale.step);
   float exact[bins];
   for (int bin = 0; bin < scale.count; ++bin) {
-    // The points around the way say where between two levels it lies.
-    double sum = 0, count = 0;
-    for (int level = std::max(way_[bin] - 2, 0); level <= std::min(way_[bin] + 2, levels - 1); ++level) {
-      const double points = static_cast<double>(seen_[static_cast<size_t>(bin * levels + level)]);
-      sum += points * (level - way_[bin]);
-      count += points;
+    // The way may lie anywhere in a band of points: their mean, taken twice, is its middle.
+    double place = way_[bin], count = 0;
+    for (int round = 0; round < 2; ++round) {
+      const int at = static_cast<int>(std::lround(place)), first = std::max(at - band_[bin], 0), last = std::min(at + band_[bin], levels - 1);
+      double sum = 0;
+      count = 0;
+      for (int level = first; level <= last; ++level) {
+        const double points = static_cast<double>(seen_[static_cast<size_t>(bin * levels + level)]);
+        sum += points * level;
+        count += points;
+      }
+      if (count < least_carried) break;
+      place = sum / count;
     }
-    exact[bin] = static_cast<float>((way_[bin] - middle + (count >= 3 ? sum / count : 0)) * scale.level);
+    exact[bin] = static_cast<float>((place - middle) * scale.level);
   }
   for (int bin = 0; bin < scale.count; ++bin) {
     float sum = 0, weight = 0;

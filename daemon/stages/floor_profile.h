@@ -35,7 +35,7 @@ class FloorProfile {
   std::vector<float> seen_;        // points by bin and level
   std::vector<float> cost_;        // of the cheapest way to here
   std::vector<int8_t> came_from_;  // level of the bin before, less this one
-  int way_[bins] = {};
+  int way_[bins] = {}, band_[bins] = {};  // level, and how far from it points lie on it
 };
 
 }  // namespace vdisp

@@ -17,7 +17,7 @@ constexpr double least_on = 40, most_beyond = 0.5;        // points
 constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
 constexpr double nearer_side = 0.7;
-constexpr double bumps = 0.1;                            // rad: pitch that driving adds
+constexpr double bumps = 0.25;                           // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
