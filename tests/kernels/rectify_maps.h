@@ -124,6 +124,6 @@ inline std::vector<Map> maps_for(int width, int height) {
 }
 
 inline const std::vector<std::pair<int, int>> raw_sizes = {{1, 1},  {1, 7},  {7, 1},  {15, 9}, {16, 1},   {16, 2},  {16, 3},
-                                                    {17, 4}, {24, 5}, {33, 6}, {80, 8}, {131, 40}, {200, 90}};
+                                                           {17, 4}, {24, 5}, {33, 6}, {80, 8}, {131, 40}, {200, 90}};
 
 }  // namespace vdisp::kernels
