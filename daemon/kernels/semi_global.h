@@ -52,6 +52,8 @@ inline constexpr int codes_margin = 64;
 class SemiGlobalVolume {
  public:
   static constexpr int block = 64, rows_across = 16;
+  static constexpr int beside = 8;                          ///< columns of other blocks that step 3 lays to either side of one's costs
+  static constexpr int laid_out = block + 2 * beside + 16;  ///< bytes of such a row
 
   SemiGlobalVolume() = default;
   /// For searches in images `width` wide. `rows`: how many are held, a multiple of rows_across; with paths from below or diagonals they
