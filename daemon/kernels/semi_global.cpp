@@ -17,9 +17,9 @@ SemiGlobalVolume::SemiGlobalVolume(int width, int rows, int disparities, int pat
   // A byte for each column and disparity, and one for their least; of the diagonals two rows each.
   state_bytes_ = (block + 128) * (n + 1);
   const size_t states = paths == 8 ? 6 * (columns + 128) * (n + 1) : static_cast<size_t>(blocks_) * state_bytes_;
-  // Step 1 holds its rows' sums turned; step 3 the sums of a block shifted against each other.
+  // Step 1 holds its rows' sums turned; step 3 the sums of a block shifted against each other, the least of the right view, and costs.
   const size_t across = columns * (column_bytes(disparities) + 32) + 3 * n * rows_across,
-               winners = (n + 192) * n + columns + n + 1024 + 96 * n;
+               winners = (n + 192) * n + columns + n + 1024 + laid_out * n;
   work_bytes_ = (std::max(across, winners) + 4096) / 64 * 64;
   const size_t volume = static_cast<size_t>(rows / rows_across) * static_cast<size_t>(blocks_) * block_bytes();
   costs_ = reserve(volume);

@@ -40,7 +40,7 @@ struct SemiGlobal {
   int jump(int step) const { return std::max(large - (step << slope), large_least); }
 };
 
-/// Columns that the sub-pixel part is taken from.
+/// Columns that the sub-pixel part is taken from: every third, up to six to either side. Five costs of at most 9 * 16 / 4 fit in a byte.
 inline constexpr int sub_pixel_step = 3, sub_pixel_reach = 6;
 
 /// Bytes behind the end of the code planes' rows that are read, whatever they hold.
@@ -52,6 +52,8 @@ inline constexpr int codes_margin = 64;
 class SemiGlobalVolume {
  public:
   static constexpr int block = 64, rows_across = 16;
+  static constexpr int beside = 8;                          ///< columns of other blocks that step 3 lays to either side of one's costs
+  static constexpr int laid_out = block + 2 * beside + 16;  ///< bytes of such a row
 
   SemiGlobalVolume() = default;
   /// For searches in images `width` wide. `rows`: how many are held, a multiple of rows_across; with paths from below or diagonals they
@@ -100,9 +102,10 @@ using PathsAcross = void(const SemiGlobal& search, int row, const SemiGlobalVolu
 using PathsDown = void(const SemiGlobal& search, int first_block, int last_block, int first_row, int last_row, bool up,
                        const SemiGlobalVolume& volume);
 /// Step 3: the candidates of one row for columns [first_column, last_column): the best of its sums, with the meaning it has in MatchRow.
-/// cost, before and after are for the sub-pixel part alone: costs of step 1 in a row of columns, `sub_pixel_step` apart up to
-/// `sub_pixel_reach` to either side, and none of them below `cost`. Sums of paths lean to where the paths come from, which is 0.16 px on a
-/// floor with 3 of them. Without `fresh` the last call with this work space was for a row of the same search.
+/// cost, before and after are for the sub-pixel part alone: costs of step 1 summed over columns of the row, `sub_pixel_step` apart up to
+/// `sub_pixel_reach` to either side (beyond the search stands what is at its borders); cost is the least of the three. Sums of paths lean
+/// to where the paths come from, which is 0.16 px on a floor with 3 of them. Without `fresh` the last call with this work space was for a
+/// row of the same search.
 using PathsRow = void(const SemiGlobal& search, int row, bool fresh, const SemiGlobalVolume& volume, uint8_t* work, const Candidates& out);
 
 namespace plain {

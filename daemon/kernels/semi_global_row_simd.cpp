@@ -35,7 +35,7 @@ struct Winners {
 };
 
 // A block's costs, and of the blocks beside it what the pixels at its sides reach.
-constexpr int beside = 8, costs_stride = block + 2 * beside + 16;
+constexpr int beside = SemiGlobalVolume::beside, costs_stride = SemiGlobalVolume::laid_out;
 static_assert(beside >= sub_pixel_reach);
 
 /// The costs of block b for all disparities, with the columns to either side; beyond the search stands what is at its borders.
@@ -155,6 +155,7 @@ void paths_row(const SemiGlobal& s, int row, bool fresh, const SemiGlobalVolume&
   const hn::CappedTag<uint16_t, 32> d16;
   const int n = s.disparities, columns = s.columns(), first = s.first_column(), blocks = (columns + block - 1) / block;
   const ptrdiff_t stride = (block + n + 63) / 64 * 64 + 64;
+  // SemiGlobalVolume's constructor knows the size of these.
   uint8_t *shifted = work, *right = work + stride * n, *costs = right + blocks * block + n + 2 * block;
   // Each row writes the same places of it.
   if (fresh) std::memset(shifted, 255, static_cast<size_t>(stride * n));

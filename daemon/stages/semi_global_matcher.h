@@ -17,7 +17,8 @@ namespace vdisp {
 ///   ndisp, minDisparity  the disparities searched
 ///   unique               percent by which the best match must be better than any more than 1 px away. Sums of paths differ less than
 ///                        sums of windows: a quarter of it does the same
-///   thresh, corrsize     as in block_matcher.h, but a quarter of it: a path needs little, noise has less to say
+///   thresh, corrsize     as in block_matcher.h, but a quarter of it: a path needs little. thresh also lowers what a path may cost, up to
+///                        25 of it: what is noise in one view matches nothing well in the other
 ///
 /// With 3 paths the image is done in groups of rows that stay in the cache; with more all of it is kept, 2 bytes for each pixel and
 /// disparity.

@@ -141,6 +141,96 @@ TEST(SemiGlobal, is_the_same_at_every_level_with_all_disparities) {
   });
 }
 
+/// Last blocks with any number of columns, of which the sub-pixel part reaches over the sides and into the block before.
+TEST(SemiGlobal, is_the_same_at_every_level_for_any_number_of_columns) {
+  for (int columns = 1; columns <= 2 * SemiGlobalVolume::block + 9; ++columns) {
+    Scene scene(columns + 15, 3);
+    fill(scene.left, Content::noise, static_cast<uint32_t>(columns));
+    fill(scene.right, Content::few_levels, static_cast<uint32_t>(columns));
+    scene.encode(kernels("plain"));
+    for (int paths : {3, 8}) {
+      const SemiGlobal s = scene.search(16, 0, paths);
+      ASSERT_EQ(s.columns(), columns);
+      const auto expected = match(kernels("plain"), s);
+      at_each_level(
+          [&](const std::string&, const Kernels& k) { ASSERT_EQ(expected, match(k, s)) << columns << " columns, paths " << paths; });
+    }
+  }
+}
+
+/// Two threads' work spaces lie side by side, and so do the states of the blocks.
+TEST(SemiGlobal, a_call_writes_its_own_work_space_and_states) {
+  for (const std::string& level : levels()) {
+    const Kernels k = kernels(level);
+    for (const auto& [width, disparities] :
+         std::vector<std::pair<int, int>>{{16, 16}, {79, 16}, {128, 16}, {200, 64}, {192, 128}, {320, 256}}) {
+      Scene scene(width, rows_across);
+      fill(scene.left, Content::noise, 5);
+      scene.shift_by(3);
+      scene.encode(k);
+      const SemiGlobal s = scene.search(disparities, 0, 3);
+      const int blocks = (s.columns() + SemiGlobalVolume::block - 1) / SemiGlobalVolume::block;
+      const SemiGlobalVolume volume(width, rows_across, disparities, 3, 2);
+      const auto bytes = static_cast<size_t>(volume.work(1) - volume.work(0));
+      std::fill_n(volume.work(1), bytes, uint8_t{0xA5});
+      const auto untouched = [](const uint8_t* from, size_t count) {
+        return static_cast<size_t>(std::count(from, from + count, uint8_t{0xA5})) == count;
+      };
+      k.paths_across(s, 0, volume, volume.work(0));
+      EXPECT_TRUE(untouched(volume.work(1), bytes)) << level << " across, " << width << " wide, " << disparities;
+      for (int b = 0; b < blocks; ++b) {
+        const auto state_bytes = static_cast<size_t>(volume.states(b + 1) - volume.states(b));
+        if (b + 1 < blocks) std::fill_n(volume.states(b + 1), state_bytes, uint8_t{0xA5});
+        k.paths_down(s, b, b + 1, 0, rows_across, false, volume);
+        if (b + 1 < blocks) {
+          EXPECT_TRUE(untouched(volume.states(b + 1), state_bytes)) << level << " down, block " << b;
+        }
+      }
+      std::vector<uint16_t> c(5 * static_cast<size_t>(width + row_margin));
+      const ptrdiff_t step = width + row_margin;
+      for (int row = 0; row < rows_across; ++row)
+        k.paths_row(s, row, row == 0, volume, volume.work(0),
+                    {c.data(), c.data() + step, c.data() + 2 * step, c.data() + 3 * step, c.data() + 4 * step, nullptr});
+      EXPECT_TRUE(untouched(volume.work(1), bytes)) << level << " row, " << width << " wide, " << disparities;
+    }
+  }
+}
+
+/// What the contract says of the numbers for the sub-pixel part, written out from the volume's costs.
+TEST(SemiGlobal, sub_pixel_parts_are_of_costs_summed_over_five_columns) {
+  Scene scene(100, 8);
+  fill(scene.left, Content::noise, 21);
+  fill(scene.right, Content::noise, 22);
+  for (const std::string& level : levels()) {
+    const Kernels k = kernels(level);
+    scene.encode(k);
+    const SemiGlobal s = scene.search(16, 0, 3);
+    const int columns = s.columns(), row = 4;
+    const SemiGlobalVolume volume(100, rows_across, 16, 3, 1);
+    k.paths_across(s, 0, volume, volume.work(0));
+    for (int b = 0; b < 2; ++b) k.paths_down(s, b, b + 1, 0, 8, false, volume);
+    const ptrdiff_t step = 100 + row_margin;
+    std::vector<uint16_t> c(static_cast<size_t>(5 * step));
+    const Candidates got{c.data(), c.data() + step, c.data() + 2 * step, c.data() + 3 * step, c.data() + 4 * step, nullptr};
+    k.paths_row(s, row, true, volume, volume.work(0), got);
+    const auto summed = [&](int x, int i) {
+      int sum = 0;
+      for (int tap : {-6, -3, 0, 3, 6}) {
+        const int at = std::clamp(x + tap, 0, columns - 1);
+        sum += volume.costs(row, at / SemiGlobalVolume::block)[i * SemiGlobalVolume::block + at % SemiGlobalVolume::block];
+      }
+      return sum;
+    };
+    for (int x = 0; x < columns; ++x) {
+      const int i = got.index[s.first_column() + x];
+      const int before = summed(x, i > 0 ? i - 1 : 1), after = summed(x, i < 15 ? i + 1 : 14);
+      EXPECT_EQ(got.before[s.first_column() + x], before) << level << " column " << x;
+      EXPECT_EQ(got.after[s.first_column() + x], after) << level << " column " << x;
+      EXPECT_EQ(got.cost[s.first_column() + x], std::min({summed(x, i), before, after})) << level << " column " << x;
+    }
+  }
+}
+
 TEST(SemiGlobal, image_narrower_than_the_search_has_no_columns) {
   for (const std::string& level : levels()) {
     Scene scene(40, 20);

@@ -452,6 +452,62 @@ TEST(SemiGlobalMatcher, sees_a_slanted_floor_without_being_told_where_it_is) {
   }
 }
 
+/// Paths bring the disparity of the row above, which on a floor is smaller: nothing of that may be left in the sub-pixel part.
+TEST(SemiGlobalMatcher, paths_do_not_lean_a_slanted_floor) {
+  FlatFloor floor;
+  Machine machine;
+  Config config;
+  config.image_source.matcher = "sgm";
+  for (const char* paths : {"3", "4", "8"}) {
+    config.image_source.paths = paths;
+    std::vector<std::unique_ptr<Picture>> out;
+    Disparity stage(machine, config);
+    ASSERT_EQ(run_stage(stage, {&floor.left, &floor.right}, out), Outcome::valid);
+    double sum = 0;
+    int count = 0;
+    for (int v = 100; v < FlatFloor::height - 10; ++v) {
+      for (int u = 70; u < FlatFloor::width - 20; ++u) {
+        const int16_t d = out[0]->at<int16_t>(v, u);
+        const double error = d / 16.0 - FlatFloor::disparity(v);
+        if (rejected_code(d) != 0 || std::abs(error) > 1) continue;
+        sum += error;
+        ++count;
+      }
+    }
+    EXPECT_GT(count, 20000) << paths;
+    EXPECT_NEAR(sum / count, 0, 0.03) << paths;
+  }
+}
+
+/// Views that differ by noise have texture everywhere: what a higher thresh refuses then it refuses for the cost of the paths.
+TEST(SemiGlobalMatcher, thresh_says_what_a_path_may_cost) {
+  FlatFloor floor;
+  std::mt19937 random(12);
+  for (Picture* view : {&floor.left, &floor.right})
+    view->fill<uint8_t>([&](int v, int u) { return static_cast<uint8_t>(view->at<uint8_t>(v, u) / 2 + random() % 60); });
+  Machine machine;
+  Config config;
+  config.image_source.matcher = "sgm";
+  config.image_source.unique = 0;
+  const auto refused = [&](int thresh) {
+    config.image_source.thresh = thresh;
+    Disparity stage(machine, config);
+    std::vector<std::unique_ptr<Picture>> out;
+    EXPECT_EQ(run_stage(stage, {&floor.left, &floor.right}, out), Outcome::valid);
+    int count = 0;
+    for (int v = 0; v < FlatFloor::height; ++v) {
+      for (int u = 0; u < FlatFloor::width; ++u) {
+        const int16_t d = out[0]->at<int16_t>(v, u);
+        EXPECT_NE(d, rejected(Rejected::low_texture)) << v << ' ' << u;
+        count += d == rejected(Rejected::not_unique);
+      }
+    }
+    return count;
+  };
+  EXPECT_LT(refused(0), 100);
+  EXPECT_GT(refused(20), 5000);
+}
+
 TEST(SemiGlobalMatcher, claims_nothing_in_a_blank_image) {
   Machine machine;
   Config config;
