@@ -113,7 +113,8 @@ void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
     // The way may lie anywhere in a band of points: their mean, taken twice, is its middle.
     double place = way_[bin], count = 0;
     for (int round = 0; round < 2; ++round) {
-      const int at = static_cast<int>(std::lround(place)), first = std::max(at - band_[bin], 0), last = std::min(at + band_[bin], levels - 1);
+      const int at = static_cast<int>(std::lround(place)), first = std::max(at - band_[bin], 0),
+                last = std::min(at + band_[bin], levels - 1);
       double sum = 0;
       count = 0;
       for (int level = first; level <= last; ++level) {

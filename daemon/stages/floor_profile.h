@@ -32,9 +32,9 @@ class FloorProfile {
   float& seen(int bin, int level) { return seen_[static_cast<size_t>(bin * levels + level)]; }
 
   const Config& config_;
-  std::vector<float> seen_;        // points by bin and level
-  std::vector<float> cost_;        // of the cheapest way to here
-  std::vector<int8_t> came_from_;  // level of the bin before, less this one
+  std::vector<float> seen_;               // points by bin and level
+  std::vector<float> cost_;               // of the cheapest way to here
+  std::vector<int8_t> came_from_;         // level of the bin before, less this one
   int way_[bins] = {}, band_[bins] = {};  // level, and how far from it points lie on it
 };
 

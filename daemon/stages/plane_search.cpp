@@ -23,7 +23,7 @@ constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
 // How far a floor may be off what was expected until that counts half of what lies on it.
 constexpr double usual_pitch = 0.3, usual_pitch_off = 0.5;  // where nothing is known of it: a wall is no floor
-constexpr double height_off = 0.25, pitch_off = 0.30, roll_off = 0.35, last_off = 0.15;
+constexpr double height_off = 0.25, pitch_off = 0.15, roll_off = 0.35, last_off = 0.15;
 
 int step(int of_standard, int size, int standard) { return std::max(of_standard * size / standard, 1); }
 

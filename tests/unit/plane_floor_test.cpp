@@ -49,7 +49,14 @@ struct PlaneFloorTest : testing::Test {
   void SetUp() override {
     config.image_source.ndisp = 64;
     config.floor.model = "profile";
-    disparity.image().camera = {static_cast<float>(view.f), static_cast<float>(view.cx), static_cast<float>(view.cy), static_cast<float>(view.baseline), 0, 0, 64, {}};
+    disparity.image().camera = {static_cast<float>(view.f),
+                                static_cast<float>(view.cx),
+                                static_cast<float>(view.cy),
+                                static_cast<float>(view.baseline),
+                                0,
+                                0,
+                                64,
+                                {}};
     left.fill<uint8_t>([](int, int) { return uint8_t{100}; });
   }
   void see(const Scene& scene) {
@@ -70,12 +77,16 @@ struct PlaneFloorTest : testing::Test {
     Surfaces surfaces(machine, config);
     ASSERT_EQ(run_stage(surfaces, {&disparity, floor[1].get()}, over), Outcome::valid);
     Occupancy occupancy(machine, config);
-    ASSERT_EQ(run_stage(occupancy, {&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), floor[1].get(), &left}, ground_map), Outcome::valid);
+    ASSERT_EQ(
+        run_stage(occupancy, {&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), floor[1].get(), &left}, ground_map),
+        Outcome::valid);
   }
   static int row_of(double ahead) { return 49 - static_cast<int>(ahead / 0.1); }
   static int column_of(double right) { return static_cast<int>(std::floor(right / 0.1 + 25.5)); }
   int risk(double ahead, double right) { return ground_map[0]->at<int8_t>(row_of(ahead), column_of(right)); }
-  CellReason why(double ahead, double right) { return static_cast<CellReason>(ground_map[1]->at<uint8_t>(row_of(ahead), column_of(right))); }
+  CellReason why(double ahead, double right) {
+    return static_cast<CellReason>(ground_map[1]->at<uint8_t>(row_of(ahead), column_of(right)));
+  }
 };
 
 TEST_F(PlaneFloorTest, measures_pitch_roll_and_height_of_banked_ground) {
@@ -125,7 +136,9 @@ TEST_F(PlaneFloorTest, the_profile_follows_a_ramp) {
   });
   ASSERT_EQ(find(), Outcome::valid);
   const LocalFloor local(model(), view);
-  const auto rises = [&](double from, double to) { return local.elevation(to) - local.elevation(from) + (to - from) * std::tan(model().pitch_rad - pitch); };
+  const auto rises = [&](double from, double to) {
+    return local.elevation(to) - local.elevation(from) + (to - from) * std::tan(model().pitch_rad - pitch);
+  };
   EXPECT_NEAR(rises(2.5, 4), 0.3, 0.06);
   map();
   for (double ahead = 1.2; ahead < 4; ahead += 0.1) EXPECT_LT(risk(ahead, 0), 65) << ahead;
