@@ -41,9 +41,10 @@ void Edges::compare(const FloorModel& model, const Image& image) {
   frames_otherwise_ = differs == differs_ ? 0 : frames_otherwise_ + 1;
   if (frames_otherwise_ < lasting_frames) return;
   differs_ = differs;
+  const bool filtered = !std::isnan(model.steady_height_m);
   warn("the floor {}: measured height {:.2f} m and pitch {:.3f} rad, configured {:.2f} m and {:.3f} rad (frame {})",
-       differs ? "does not agree with [mounting]" : "agrees with [mounting] again", model.height_m, model.pitch_rad,
-       config_.mounting.height, config_.expected_pitch(), image.sequence);
+       differs ? "does not agree with [mounting]" : "agrees with [mounting] again", filtered ? model.steady_height_m : model.height_m,
+       filtered ? model.steady_pitch_rad : model.pitch_rad, config_.mounting.height, config_.expected_pitch(), image.sequence);
 }
 
 void Edges::say_what_is_near(const FloorModel& model, const CameraGeometry& camera) {
