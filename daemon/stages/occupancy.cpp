@@ -21,6 +21,7 @@ constexpr double depth_off = 1.0, depth_share = 0.03;     // px, and of the disp
 constexpr int dark = 14, bright = 250;                    // grey levels
 constexpr int floor_leads = 3;                            // cells: floor no farther than this before a drop-off leads up to it
 constexpr int slope_cells = 5;                            // that the ground's slope before a drop-off is taken from
+constexpr int hidden_cells = 4, least_hidden = 3;  // of a drop-off: cells looked at, and through which what is lower is seen
 constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
 
 CellReason reason_of(uint8_t code) {
@@ -239,8 +240,15 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) con
                    steepest = std::tan(std::min(config_.floor.maxSlope, sight - visible_by));
       const double past = (last_floor - row - 0.5) * cell, tangent = std::tan(sight);
       const double of_slope = steepest > 0 ? past * tangent * steepest / (tangent - steepest) + beside_slope : 0;
-      const double depth = here + slope * (static_cast<double>(seen.ahead) - edge) - static_cast<double>(seen.height);
-      if (depth < std::max(least, of_slope)) continue;
+      const auto is_deep = [&](int r, double at_least) {
+        const Beyond& through = beyond_[static_cast<size_t>(r * columns_ + column)];
+        return through.ahead > 0 && here + slope * (static_cast<double>(through.ahead) - edge) - static_cast<double>(through.height) >= at_least;
+      };
+      if (!is_deep(row, std::max(least, of_slope))) continue;
+      // What is lower lies behind a hidden stretch, seen through all the cells there; one false match is seen through one.
+      int deep = 0;
+      for (int r = row; r > std::max(row - hidden_cells, -1); --r) deep += is_deep(r, least);
+      if (deep < least_hidden) continue;
       for (int r = row; r > std::max(row - edge_cells, -1); --r) {
         uint8_t& edge_why = reason.row<uint8_t>(r)[column];
         if (edge_why == static_cast<uint8_t>(CellReason::obstacle)) break;
