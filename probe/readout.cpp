@@ -3,25 +3,16 @@
 #include "probe/readout.h"
 
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <cstring>
 
 #include "ipc/dump.h"
 #include "ipc/records.h"
+#include "probe/format.h"
 #include "probe/scales.h"
 
 namespace vdisp {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char text[256];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 /// Depth of a disparity in px, and where the column lies at it.
 std::string metres(const CameraGeometry& camera, double disparity, std::optional<int> column = {}) {
