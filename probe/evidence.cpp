@@ -24,6 +24,13 @@ Tally tally_of(const Image& disparity, const Image& surface, const CellView& vie
   return tally;
 }
 
+int points_around(const Image& map, const MapCell& cell) {
+  int sum = 0;
+  for (int row = std::max(cell.row - 1, 0); row <= std::min(cell.row + 1, map.spec.height - 1); ++row)
+    sum += map.row<int16_t>(row)[cell.column];
+  return sum;
+}
+
 Standing standing_in(const MapCell& cell, const Image& disparity, const Reprojection& reprojection) {
   const int width = disparity.spec.width, height = disparity.spec.height;
   Standing standing{0, width, -1, height, -1, 1e9, -1e9};

@@ -19,6 +19,10 @@ struct Tally {
 /// disparity16 and gray8 of one size, that `view` was made for.
 Tally tally_of(const Image& disparity, const Image& surface, const CellView& view);
 
+/// Counts of a map in a cell and its neighbours ahead and behind, by which occupancy goes: disparities of one thing scatter along the
+/// line of sight.
+int points_around(const Image& map, const MapCell& cell);
+
 /// The pixels of an image of disparities that stand in one cell: where they are, to their last, and their disparities in px.
 struct Standing {
   int pixels = 0;

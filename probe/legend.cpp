@@ -55,8 +55,8 @@ void add_rejected(const Image& image, std::vector<LegendItem>& items) {
                      [](uint8_t code) { return code == 0 ? std::string_view() : name(Rejected{code}); });
 }
 
-LegendItem occupancy_ramp(int from, int to, std::string meaning) {
-  LegendItem item{{}, std::to_string(from), std::move(meaning)};
+LegendItem occupancy_ramp(const std::string& meaning, int from, int to) {
+  LegendItem item{{}, meaning + " " + std::to_string(from), std::to_string(to) + " %"};
   for (int i = 0; i < ramp_width; ++i)
     item.colours.push_back(occupancy_colour(static_cast<int8_t>(from + (to - from) * i / (ramp_width - 1))));
   return item;
@@ -102,8 +102,8 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
       items.push_back(one(colours::panel, "unknown"));
       break;
     case Pixel::int8:
-      items.push_back(occupancy_ramp(0, occupied_from - 1, std::to_string(occupied_from - 1) + " % free"));
-      items.push_back(occupancy_ramp(occupied_from, 100, "100 % obstacle"));
+      items.push_back(occupancy_ramp("free", 0, occupied_from - 1));
+      items.push_back(occupancy_ramp("obstacle", occupied_from, 100));
       items.push_back(one(occupancy_colour(-1), "unknown"));
       break;
     case Pixel::gray8:

@@ -35,7 +35,7 @@ struct Frame {
   }
 };
 
-/// One line in words, and the same as JSON.
+/// Lines of words, and the same as JSON.
 struct Account {
   std::string text;
   ordered_json json;
@@ -71,13 +71,14 @@ void tell_verdict(const Frame& frame, const MapCell& cell, Account& account) {
   const Place place = place_of(grid, cell.column, cell.row);
   const int percent = frame[occupancy].row<int8_t>(cell.row)[cell.column];
   const CellReason why{frame[reason].row<uint8_t>(cell.row)[cell.column]};
-  const int count = frame[count_map].row<int16_t>(cell.row)[cell.column];
-  account.line("cell", format("row %d  column %d   z %.2f m  x %+.2f m   %.2f m away, %.0f deg to the %s", cell.row, cell.column, place.z,
-                              place.x, place.distance(), std::abs(place.bearing_deg()), place.x < 0 ? "left" : "right"));
+  const int points = frame[count_map].row<int16_t>(cell.row)[cell.column], around = points_around(frame[count_map], cell);
+  account.line("cell", format("row %d  column %d   z %.2f m  x %+.2f m   %.2f m away, bearing %+.0f deg", cell.row, cell.column, place.z,
+                              place.x, place.distance(), place.bearing_deg()));
   account.line("verdict", std::string(name(why)) + ": " + std::string(describe(why)));
   account.line("occupancy", (percent < 0 ? "unknown" : std::to_string(percent) + " %") + "   (an obstacle from " +
                                 std::to_string(occupied_from) + " % on)");
-  account.line("map", format("%d points   (an obstacle from %u on)", count, grid.min_count));
+  account.line("map",
+               format("%d points   (an obstacle from %u on); with its nearer and farther neighbours %d", points, grid.min_count, around));
   account.json["cell"] = {{"row", cell.row},
                           {"column", cell.column},
                           {"x", rounded(place.x)},
@@ -87,7 +88,8 @@ void tell_verdict(const Frame& frame, const MapCell& cell, Account& account) {
                           {"verdict", name(why)},
                           {"occupancy", percent < 0 ? ordered_json(nullptr) : ordered_json(percent)},
                           {"occupied_from", occupied_from},
-                          {"points", count},
+                          {"points", points},
+                          {"points_around", around},
                           {"min_count", grid.min_count}};
 }
 
@@ -170,21 +172,20 @@ void tell_pixel(const Frame& frame, int row, int column, Account& account) {
   const std::optional<double> d = tell_disparity(frame, row, column, account);
   const FloorModel* floor = frame.floor();
   if (frame.blind() != Reason::none || !floor) return;
-  ordered_json& json = account.json["pixel"];
   const Reprojection reprojection(frame[disparity], *floor, frame[occupancy]);
+  if (!reprojection.possible()) return;
   const int16_t mm = frame[height].row<int16_t>(row)[column];
   const Surface what{frame[surface].row<uint8_t>(row)[column]};
-  if (!reprojection.possible()) return;
   const double depth = d ? reprojection.depth(*d).value_or(NAN) : NAN;  // NaN is null in JSON
   const auto on_floor = reprojection.floor_disparity(column, row);
   if (depth > 0) account.line("depth", format("%.2f m along the view", depth));
   if (mm != height_unknown) account.line("height", format("%+.3f m over the local floor", mm / 1000.0));
   account.line("surface", std::string(name(what)));
   account.line("plane", on_floor ? format("floor would have %.2f px here", *on_floor) : "above the horizon: no floor here");
-  json.update({{"depth", rounded(depth)},
-               {"height", mm == height_unknown ? ordered_json(nullptr) : ordered_json(mm / 1000.0)},
-               {"surface", name(what)},
-               {"floor_disparity", rounded(on_floor.value_or(NAN))}});
+  account.json["pixel"].update({{"depth", rounded(depth)},
+                                {"height", mm == height_unknown ? ordered_json(nullptr) : ordered_json(mm / 1000.0)},
+                                {"surface", name(what)},
+                                {"floor_disparity", rounded(on_floor.value_or(NAN))}});
   tell_floor(*floor, account);
   // What has no disparity may be floor: the cell that would be seen here.
   const auto at = d ? d : on_floor;
@@ -195,10 +196,9 @@ void tell_pixel(const Frame& frame, int row, int column, Account& account) {
 }
 
 void require_inside(const Options& options, const Image& image, const char* what, const char* other) {
-  const auto row = static_cast<int64_t>(options.row), column = static_cast<int64_t>(options.column);
-  if (row < image.spec.height && column < image.spec.width) return;
-  throw ProbeError(64, format("row %lld, column %lld: the %s has rows 0 to %d and columns 0 to %d; %s", static_cast<long long>(row),
-                              static_cast<long long>(column), what, image.spec.height - 1, image.spec.width - 1, other));
+  if (options.row < image.spec.height && options.column < image.spec.width) return;
+  throw ProbeError(64, format("row %d, column %d: the %s has rows 0 to %d and columns 0 to %d; %s", options.row, options.column, what,
+                              image.spec.height - 1, image.spec.width - 1, other));
 }
 
 void require_verdicts(const std::vector<CatalogueEntry>& topics) {

@@ -125,6 +125,15 @@ TEST_F(Evidence, pixels_are_tallied_by_surface_reason_and_depth) {
   EXPECT_EQ(tally.there, 5);
 }
 
+TEST_F(Evidence, points_of_a_cell_and_its_neighbours_end_at_the_borders) {
+  BufferOutlet map({Pixel::count16, 0, 51, 50});
+  for (int row = 0; row < 50; ++row)
+    for (int column = 0; column < 51; ++column) map.loan().row<int16_t>(row)[column] = static_cast<int16_t>(100 * row + column);
+  EXPECT_EQ(points_around(map.loan(), {10, 7}), 900 + 1000 + 1100 + 3 * 7);
+  EXPECT_EQ(points_around(map.loan(), {0, 7}), 100 + 2 * 7);
+  EXPECT_EQ(points_around(map.loan(), {49, 7}), 4800 + 4900 + 2 * 7);
+}
+
 TEST_F(Evidence, what_stands_in_a_cell_is_found_wherever_it_is_in_the_image) {
   Image& disparity = disparity_.loan();
   for (int v = 0; v < 480; ++v) std::fill_n(disparity.row<int16_t>(v), 640, rejected(Rejected::matcher));
