@@ -137,6 +137,37 @@ std::string_view name(CellReason why) {
   return "unknown";
 }
 
+std::string_view describe(CellReason why) {
+  switch (why) {
+    case CellReason::out_of_view: return "the camera does not look there";
+    case CellReason::floor: return "floor is seen";
+    case CellReason::obstacle: return "something stands there";
+    case CellReason::drop_off: return "the ground ends: what is seen lies under the floor";
+    case CellReason::overhang: return "only what hangs over it is seen";
+    case CellReason::too_near: return "nearer than the camera can match";
+    case CellReason::occluded: return "something nearer hides it";
+    case CellReason::too_dark: return "its pixels are dark";
+    case CellReason::too_bright: return "its pixels are over-exposed";
+    case CellReason::no_texture: return "its pixels have too little texture";
+    case CellReason::not_unique: return "its pixels match at more than one disparity";
+    case CellReason::left_right: return "its matches in the right view point elsewhere";
+    case CellReason::speckle: return "its disparities are parts of too small areas";
+    case CellReason::rejected: return "its pixels were refused otherwise";
+  }
+  return "a reason this version does not know";
+}
+
+std::string_view name(Surface surface) {
+  switch (surface) {
+    case Surface::none: return "none";
+    case Surface::floor: return "floor";
+    case Surface::obstacle: return "obstacle";
+    case Surface::overhang: return "overhang";
+    case Surface::below: return "below the floor";
+  }
+  return "unknown";
+}
+
 uint32_t pixel_bytes(Pixel pixel) {
   switch (pixel) {
     case Pixel::rgb8: return 3;

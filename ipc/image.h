@@ -56,6 +56,18 @@ enum class CellReason : uint8_t {
 };
 inline constexpr size_t cell_reasons = 14;
 
+/// What a pixel is, by its height over the local floor; pixels of stage `surface`.
+enum class Surface : uint8_t {
+  none = 0,  ///< no disparity that counts
+  floor,     ///< no higher than a step that the rover climbs, no lower than a hole that counts
+  obstacle,  ///< higher, and in the way
+  overhang,  ///< so high that the rover passes below
+  below,     ///< under the floor
+};
+
+/// A cell of `occupancy` with this or more is an obstacle.
+inline constexpr int8_t occupied_from = 65;
+
 inline constexpr int16_t line_none = INT16_MIN;
 inline constexpr int16_t height_unknown = INT16_MIN;
 
@@ -88,6 +100,8 @@ std::string_view describe(Reason reason);
 std::string_view name(Pixel pixel);
 std::string_view name(Rejected why);
 std::string_view name(CellReason why);
+std::string_view describe(CellReason why);
+std::string_view name(Surface surface);
 /// Bytes of one pixel; 1 for records.
 uint32_t pixel_bytes(Pixel pixel);
 

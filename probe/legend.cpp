@@ -27,24 +27,39 @@ int width_of(const LegendItem& item) {
   return (is_ramp ? Picture::text_width(item.from) + 6 + ramp_width : swatch) + 6 + Picture::text_width(item.to) + gap;
 }
 
-void add_rejected(const Image& image, std::vector<LegendItem>& items) {
+/// The codes that are in the image, each with its colour, its name and its share of the pixels.
+template <class T, class Code, class ColourOf, class NameOf>
+void add_codes(const Image& image, std::vector<LegendItem>& items, Code code_of, ColourOf colour, NameOf meaning) {
   int counts[256] = {};
   for (int y = 0; y < image.spec.height; ++y) {
-    const int16_t* row = image.row<int16_t>(y);
-    for (int x = 0; x < image.spec.width; ++x) ++counts[rejected_code(row[x])];
+    const T* row = image.row<T>(y);
+    for (int x = 0; x < image.spec.width; ++x) ++counts[code_of(row[x])];
   }
   const double all = std::max(1, image.spec.width * image.spec.height);
-  for (int code = 1; code < 256; ++code) {
-    if (counts[code] == 0) continue;
+  for (int i = 0; i < 256; ++i) {
+    const auto code = static_cast<uint8_t>(i);
+    const std::string words(meaning(code));
+    if (counts[i] == 0 || words.empty()) continue;
     char percent[8];
-    const double share = 100 * counts[code] / all;
+    const double share = 100 * counts[i] / all;
     if (share < 1)
       std::snprintf(percent, sizeof percent, " <1%%");
     else
       std::snprintf(percent, sizeof percent, " %2.0f%%", share);
-    const std::string reason(name(Rejected{static_cast<uint8_t>(code)}));
-    items.push_back(one(rejected_colour(static_cast<uint8_t>(code)), reason + percent));
+    items.push_back(one(colour(code), words + percent));
   }
+}
+
+void add_rejected(const Image& image, std::vector<LegendItem>& items) {
+  add_codes<int16_t>(image, items, rejected_code, rejected_colour,
+                     [](uint8_t code) { return code == 0 ? std::string_view() : name(Rejected{code}); });
+}
+
+LegendItem occupancy_ramp(const std::string& meaning, int from, int to) {
+  LegendItem item{{}, meaning + " " + std::to_string(from), std::to_string(to) + " %"};
+  for (int i = 0; i < ramp_width; ++i)
+    item.colours.push_back(occupancy_colour(static_cast<int8_t>(from + (to - from) * i / (ramp_width - 1))));
+  return item;
 }
 
 /// Calls put(item, x, y) for each item in lines of this width; returns the height.
@@ -87,8 +102,17 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
       items.push_back(one(colours::panel, "unknown"));
       break;
     case Pixel::int8:
-      items.push_back(ramp(style.palette, "0", "100 % occupied"));
-      items.push_back(one({70, 74, 82}, "unknown"));
+      items.push_back(occupancy_ramp("free", 0, occupied_from - 1));
+      items.push_back(occupancy_ramp("obstacle", occupied_from, 100));
+      items.push_back(one(occupancy_colour(-1), "unknown"));
+      break;
+    case Pixel::gray8:
+      if (is_reason(topic))
+        add_codes<uint8_t>(
+            image, items, [](uint8_t v) { return v; }, reason_colour, [](uint8_t v) { return name(CellReason{v}); });
+      else if (is_surface(topic))
+        add_codes<uint8_t>(
+            image, items, [](uint8_t v) { return v; }, surface_colour, [](uint8_t v) { return name(Surface{v}); });
       break;
     case Pixel::mask8: items.push_back(one({236, 92, 60}, "obstacle")); break;
     case Pixel::line16: items.push_back(one(colours::warning, "image row for each disparity")); break;

@@ -38,6 +38,12 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub = add("stats", "Times, runs and drops of the stages, each second", stats);
   sub->add_flag("--once", options.once, "Print once and end");
   sub->add_flag("--json", options.json, "As JSON, one line a second");
+  sub = add("why", "Why a cell of the map, or a pixel, is what it is: back to disparities, floor and thresholds", why);
+  sub->add_option("ROW", options.row, "Row from 0: of a map's cells row 0 is farthest")->required()->check(CLI::Range(0, 65535));
+  sub->add_option("COLUMN", options.column, "Column from 0, from the left")->required()->check(CLI::Range(0, 65535));
+  CLI::Option* pixel = sub->add_flag("--pixel", options.pixel, "A pixel of the left view");
+  sub->add_flag("--cell")->description("A cell of the map, as without it")->excludes(pixel);
+  sub->add_flag("--json", options.json, "As JSON, one line");
   const auto add_control = [&](const char* name, const char* help, int (*function)(const Options&)) {
     CLI::App* word_app = add(name, help, function, false);
     word_app->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")

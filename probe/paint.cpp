@@ -43,6 +43,7 @@ constexpr Stops gray{{{24, 24, 24},
                       {255, 255, 255}}};
 constexpr std::array<Colour, 8> labels{
     {{230, 159, 0}, {86, 180, 233}, {0, 158, 115}, {240, 228, 66}, {0, 114, 178}, {213, 94, 0}, {204, 121, 167}, {180, 180, 180}}};
+constexpr Colour unknown_code{255, 255, 255};
 
 template <class T, class Convert>
 Picture pixelwise(const Image& image, Convert convert) {
@@ -84,10 +85,6 @@ Picture heights(const Image& image, Palette palette) {
   return pixelwise<int16_t>(image, [&](int16_t mm) {
     return mm == height_unknown ? colours::panel : colours[std::clamp<int>(mm, height_scale_from, height_scale_to) - height_scale_from];
   });
-}
-
-Picture occupancy(const Image& image, Palette palette) {
-  return pixelwise<int8_t>(image, [&](int8_t p) { return p < 0 ? Colour{70, 74, 82} : colour_of(palette, p / 100.0); });
 }
 
 // Rows below the picture are part of the result: obstacles near the camera stand on floor that it does not see.
@@ -141,21 +138,38 @@ void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell)
     picture.fill({static_cast<int>(x0) - i / 2, static_cast<int>(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
 }
 
-Painted plan(const Image& image, const PaintStyle& style) {
+/// A grid as a plan of squares; `colour` is asked by column, row and value.
+template <class T, class ColourOf>
+Painted plan(const Image& image, const PaintStyle& style, ColourOf colour) {
   const GridGeometry& grid = image.grid;
   const int columns = image.spec.width, rows = image.spec.height;
   const int cell = std::max(1, std::min(style.map_room_width / columns, style.map_room_height / rows));
   Painted painted{Picture(columns * cell, rows * cell), cell};
   for (int y = 0; y < rows; ++y) {
-    const int16_t* counts = image.row<int16_t>(y);
+    const T* values = image.row<T>(y);
     for (int x = 0; x < columns; ++x) {
       const int gap = cell > 5 ? 1 : 0;
       painted.picture.fill({x * cell, y * cell, cell, cell}, {16, 18, 22});
-      painted.picture.fill({x * cell, y * cell, cell - gap, cell - gap}, map_colour(grid, counts[x], in_view(grid, x, y)));
+      painted.picture.fill({x * cell, y * cell, cell - gap, cell - gap}, colour(x, y, values[x]));
     }
   }
   if (usable(grid)) draw_ranges(painted.picture, grid, rows, cell);
   return painted;
+}
+
+Painted counts(const Image& image, const PaintStyle& style) {
+  const GridGeometry& grid = image.grid;
+  return plan<int16_t>(image, style, [&](int x, int y, int16_t count) { return map_colour(grid, count, in_view(grid, x, y)); });
+}
+
+Painted greys(std::string_view topic, const Image& image, const PaintStyle& style) {
+  if (is_reason(topic)) return plan<uint8_t>(image, style, [](int, int, uint8_t why) { return reason_colour(why); });
+  if (is_surface(topic)) return {pixelwise<uint8_t>(image, surface_colour)};
+  if (topic.ends_with("object"))  // numbers of the simulator's objects, 255 the sky: not brightness
+    return {pixelwise<uint8_t>(image, [](uint8_t n) {
+      return n == 255 ? Colour{14, 15, 18} : n ? labels[n % labels.size()] : colours::panel;
+    })};
+  return {pixelwise<uint8_t>(image, [](uint8_t v) { return Colour{v, v, v}; })};
 }
 
 }  // namespace
@@ -177,20 +191,55 @@ Colour rejected_colour(uint8_t code) {
   return muted[code < muted.size() ? code : 6];
 }
 
+Colour reason_colour(uint8_t cell_reason) {
+  // What is known is bright, in the order of CellReason; what is unknown is grey or brown.
+  constexpr std::array<Colour, cell_reasons> known{{{22, 24, 29},
+                                                    {62, 142, 84},
+                                                    {230, 72, 56},
+                                                    {216, 64, 204},
+                                                    {76, 136, 236},
+                                                    {134, 98, 24},
+                                                    {52, 56, 64},
+                                                    {46, 34, 18},
+                                                    {222, 214, 196},
+                                                    {118, 120, 124},
+                                                    {112, 66, 44},
+                                                    {84, 86, 62},
+                                                    {168, 146, 118},
+                                                    {82, 60, 76}}};
+  return cell_reason < known.size() ? known[cell_reason] : unknown_code;
+}
+
+Colour surface_colour(uint8_t surface) {
+  switch (static_cast<Surface>(surface)) {
+    case Surface::none: return colours::panel;
+    case Surface::floor: return reason_colour(static_cast<uint8_t>(CellReason::floor));
+    case Surface::obstacle: return reason_colour(static_cast<uint8_t>(CellReason::obstacle));
+    case Surface::overhang: return reason_colour(static_cast<uint8_t>(CellReason::overhang));
+    case Surface::below: return reason_colour(static_cast<uint8_t>(CellReason::drop_off));
+  }
+  return unknown_code;
+}
+
+Colour occupancy_colour(int8_t percent) {
+  if (percent < 0) return {70, 74, 82};
+  const auto mix = [](Colour a, Colour b, double part) {
+    const auto channel = [&](uint8_t from, uint8_t to) { return static_cast<uint8_t>(std::lround(from + (to - from) * part)); };
+    return Colour{channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
+  };
+  if (percent < occupied_from) return mix({46, 132, 74}, {206, 176, 56}, percent / (occupied_from - 1.0));
+  return mix({226, 92, 44}, {255, 36, 44}, std::min(1.0, (percent - occupied_from) / (100.0 - occupied_from)));
+}
+
 Painted paint(std::string_view topic, const Image& image, const PaintStyle& style) {
   switch (image.spec.pixel) {
-    case Pixel::gray8:
-      if (topic.ends_with("object"))  // numbers of the simulator's objects, 255 the sky: not brightness
-        return {pixelwise<uint8_t>(image, [](uint8_t n) {
-          return n == 255 ? Colour{14, 15, 18} : n ? labels[n % labels.size()] : colours::panel;
-        })};
-      return {pixelwise<uint8_t>(image, [](uint8_t v) { return Colour{v, v, v}; })};
+    case Pixel::gray8: return greys(topic, image, style);
     case Pixel::mask8: return {pixelwise<uint8_t>(image, [](uint8_t v) { return v ? Colour{236, 92, 60} : Colour{28, 34, 40}; })};
     case Pixel::rgb8: return {pixelwise<Colour>(image, [](Colour v) { return v; })};
     case Pixel::disparity16: return {disparities(image, style.palette)};
-    case Pixel::count16: return is_grid(topic) ? plan(image, style) : Painted{votes(image, style.palette)};
+    case Pixel::count16: return is_grid(topic) ? counts(image, style) : Painted{votes(image, style.palette)};
     case Pixel::height16: return {heights(image, style.palette)};
-    case Pixel::int8: return {occupancy(image, style.palette)};
+    case Pixel::int8: return plan<int8_t>(image, style, [](int, int, int8_t percent) { return occupancy_colour(percent); });
     case Pixel::line16: return {curve(image, style)};
     default: return {Picture(image.spec.width, image.spec.height, colours::panel)};
   }

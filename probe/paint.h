@@ -18,6 +18,11 @@ std::string_view name(Palette palette);
 Colour colour_of(Palette palette, double value);
 /// The muted colour of pixels that were rejected with this code.
 Colour rejected_colour(uint8_t code);
+/// The colour of what a cell or a pixel is; codes that this version does not know have one of their own.
+Colour reason_colour(uint8_t cell_reason);
+Colour surface_colour(uint8_t surface);
+/// The colour of a cell of `occupancy`: from occupied_from on no shade of what is less.
+Colour occupancy_colour(int8_t percent);
 
 struct PaintStyle {
   Palette palette = Palette::turbo;

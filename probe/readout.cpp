@@ -3,24 +3,16 @@
 #include "probe/readout.h"
 
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <cstring>
 
 #include "ipc/dump.h"
 #include "ipc/records.h"
+#include "probe/format.h"
+#include "probe/scales.h"
 
 namespace vdisp {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char text[256];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 /// Depth of a disparity in px, and where the column lies at it.
 std::string metres(const CameraGeometry& camera, double disparity, std::optional<int> column = {}) {
@@ -38,15 +30,18 @@ std::string disparity_words(const Image& image, int column, int row) {
   return format("%.2f px", d / 16.0) + metres(image.camera, d / 16.0, column);
 }
 
+std::string place_words(const GridGeometry& grid, int column, int row) {
+  const Place place = place_of(grid, column, row);
+  return format("  z %.2f m  x %+.2f m  (cell of %.2f m)", place.z, place.x, static_cast<double>(grid.cell));
+}
+
 std::string map_words(const Image& image, int column, int row) {
   const int16_t count = image.row<int16_t>(row)[column];
-  const Place place = place_of(image.grid, column, row);
   const char* meaning = is_obstacle(image.grid, count)     ? "obstacle"
                         : count > 0                        ? "fewer points than an obstacle"
                         : in_view(image.grid, column, row) ? "nothing seen"
                                                            : "out of view";
-  return format("%d points, %s  z %.2f m  x %+.2f m  (cell of %.2f m)", count, meaning, place.z, place.x,
-                static_cast<double>(image.grid.cell));
+  return format("%d points, %s", count, meaning) + place_words(image.grid, column, row);
 }
 
 // The row under the cursor is not asked for: a curve has one row for each column.
@@ -59,7 +54,11 @@ std::string line_words(const Image& image, int column) {
 
 std::string value_words(std::string_view topic, const Image& image, int column, int row) {
   switch (image.spec.pixel) {
-    case Pixel::gray8: return std::to_string(image.row<uint8_t>(row)[column]);
+    case Pixel::gray8: {
+      const uint8_t value = image.row<uint8_t>(row)[column];
+      if (is_reason(topic)) return std::string(name(CellReason{value})) + place_words(image.grid, column, row);
+      return is_surface(topic) ? std::string(name(Surface{value})) : std::to_string(value);
+    }
     case Pixel::mask8: return image.row<uint8_t>(row)[column] ? "set" : "not set";
     case Pixel::rgb8: {
       const uint8_t* rgb = image.row<uint8_t>(row) + 3 * column;
@@ -77,7 +76,8 @@ std::string value_words(std::string_view topic, const Image& image, int column, 
     }
     case Pixel::int8: {
       const int8_t percent = image.row<int8_t>(row)[column];
-      return percent < 0 ? "unknown" : format("%d %% occupied", percent);
+      const std::string meaning = percent < 0 ? "unknown" : format("%d %% occupied", percent);
+      return is_grid(topic) ? meaning + place_words(image.grid, column, row) : meaning;
     }
     default: return {};
   }

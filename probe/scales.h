@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "ipc/image.h"
 #include "probe/paint.h"
@@ -22,6 +23,11 @@ inline DisparityScale disparity_scale(const CameraGeometry& camera) {
 
 inline constexpr int votes_scale = 512;                                 ///< counts of the v-disparity, logarithmic
 inline constexpr int height_scale_from = -500, height_scale_to = 1500;  ///< mm over the floor
+
+/// Stages of gray8 whose pixels are codes: CellReason, and Surface.
+inline std::string_view last_part(std::string_view topic) { return topic.substr(topic.rfind('/') + 1); }  // npos + 1 is 0
+inline bool is_reason(std::string_view topic) { return last_part(topic) == "reason"; }
+inline bool is_surface(std::string_view topic) { return last_part(topic) == "surface"; }
 
 /// Rows of the picture that a line16 belongs to.
 inline int line_rows(const Image& image, const PaintStyle& style) {

@@ -27,6 +27,8 @@ struct Options {
   std::string key, value;           ///< set, get: parameter; send: kind and label of an event
   std::filesystem::path input;      ///< send: CSV; empty: standard input
   double rate = 0;                  ///< send: lines a second; 0: as the lines say, or as they come
+  int row = 0, column = 0;          ///< why: of the cell, or of the pixel
+  bool pixel = false;               ///< why: a pixel of the left view
   std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show
 };
 
@@ -36,6 +38,7 @@ int dump(const Options& options);
 int map(const Options& options);
 int sheet(const Options& options);
 int stats(const Options& options);
+int why(const Options& options);
 int set(const Options& options);
 int get(const Options& options);
 int save(const Options& options);

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double object_of_step = 0.5;  // the least object is this part of max_height higher than max_height
 constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1 - 1 / e
-constexpr int occupied = 65;            // from here on a cell is an obstacle
-constexpr int least_weak = 50;          // what is less, and not on floor, is not told
+constexpr int occupied = occupied_from;
+constexpr int least_weak = 50;                                              // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
 constexpr double uneven_of_step = 0.4;                    // a cell's floor may be this part of max_height lower than the local floor
 constexpr double hole_of_step = 0.75;                     // what is this part of max_height lower than the floor would go on is a drop-off

@@ -13,6 +13,12 @@ namespace {
 constexpr double hole_of_step = 0.75;  // what is this part of max_height under the floor is not floor any more
 constexpr int least_band = 32;         // rows
 
+// Kernels know no images: the codes on the wire are theirs.
+constexpr bool same(kernels::Surface a, Surface b) { return static_cast<uint8_t>(a) == static_cast<uint8_t>(b); }
+static_assert(same(kernels::Surface::none, Surface::none) && same(kernels::Surface::floor, Surface::floor) &&
+              same(kernels::Surface::obstacle, Surface::obstacle) && same(kernels::Surface::overhang, Surface::overhang) &&
+              same(kernels::Surface::below, Surface::below));
+
 }  // namespace
 
 std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {

@@ -11,7 +11,7 @@ namespace vdisp {
 
 /// disparity16 and FloorModel to
 ///   height16     mm over the local floor
-///   gray8        what each pixel is (kernels::Surface)
+///   gray8        what each pixel is (Surface)
 ///   disparity16  the disparities of obstacles alone, all others refused
 ///   disparity16  those of overhangs
 ///

@@ -19,7 +19,7 @@ import cv2
 
 from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
 
-WORDS = (["list"], ["map", "--once"], ["stats", "--once"], ["sheet", "x.png"], ["dump", "x"])
+WORDS = (["list"], ["map", "--once"], ["stats", "--once"], ["sheet", "x.png"], ["dump", "x"], ["why", "1", "1"])
 
 
 class Probe(ProgramTest):
@@ -209,6 +209,115 @@ class Probe(ProgramTest):
                 self.assertEqual(termios.tcgetattr(slave), before)
                 os.close(master)
                 os.close(slave)
+
+
+class Why(ProgramTest):
+    """On the real daemon and the simulator, whose objects and floor are known."""
+
+    def daemon(self, *settings):
+        options = [word for setting in ("sim.rate=4", *settings) for word in ("--set", setting)]
+        daemon = Running("vdispd", "--sim", *options, stdout=subprocess.DEVNULL)
+        self.addCleanup(daemon.__exit__)
+        self.assertTrue(wait_until(lambda: run("vdisp-probe", "list").returncode == 0), daemon.text())
+
+    def why(self, *arguments):
+        result = run("vdisp-probe", "why", *arguments, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(len(result.stdout.splitlines()), 1)
+        return json.loads(result.stdout)
+
+    def dumped(self, *topics):
+        """Images and frame.json of one frame; the scene does not move where a test uses it."""
+        folder = self.folder / "frame"
+        self.assertEqual(run("vdisp-probe", "dump", folder, *topics).returncode, 0)
+        images = {topic: cv2.imread(str(folder / "000000" / (topic + ".png")), cv2.IMREAD_UNCHANGED) for topic in topics}
+        return images, self.frame(folder, 0)
+
+    def test_an_empty_floor_is_floor_back_to_the_pixels(self):
+        self.daemon("sim.scene=empty", "sim.cameraHeight=0.8", "sim.pitch=0.2618")
+        told = self.why(29, 25)
+        self.assertEqual((told["state"], told["synthetic"]), ("fresh", True))
+        cell = told["cell"]
+        self.assertEqual((cell["row"], cell["column"], cell["verdict"], cell["points"]), (29, 25, "floor", 0))
+        self.assertEqual((cell["x"], cell["z"], cell["bearing_deg"]), (0, 2.05, 0))  # (50 - 29.5) cells of 0.1 m
+        self.assertLess(cell["occupancy"], cell["occupied_from"])
+        self.assertEqual(told["standing"], {"pixels": 0})
+        # The simulator's own camera.
+        floor = told["floor"]
+        self.assertAlmostEqual(floor["height_m"], 0.8, delta=0.02)
+        self.assertAlmostEqual(floor["pitch_deg"], 15, delta=0.5)
+        view = told["view"]
+        self.assertGreater(view["surface"]["floor"], 0.9 * view["pixels"])
+        self.assertGreater(view["depth"]["as_cell"], 0.9 * view["pixels"])
+        self.assertLess(sum(view["rejected"].values()), 0.1 * view["pixels"])
+        # And back: the pixel in the middle stands in the cell.
+        pixel = self.why(sum(view["rows"]) // 2, sum(view["columns"]) // 2, "--pixel")
+        self.assertEqual((pixel["cell"]["row"], pixel["cell"]["column"]), (29, 25))
+        self.assertEqual(pixel["pixel"]["surface"], "floor")
+        self.assertLess(abs(pixel["pixel"]["height"]), 0.03)
+        self.assertAlmostEqual(pixel["pixel"]["disparity"], pixel["pixel"]["floor_disparity"], delta=0.5)
+        # Above the horizon, row 240 - f tan 15 deg, is no floor.
+        sky = self.why(5, 320, "--pixel")
+        self.assertIsNone(sky["pixel"]["floor_disparity"])
+        self.assertNotIn("view", sky)
+
+    def test_an_obstacle_is_led_back_to_as_many_pixels_as_the_map_counts(self):
+        self.daemon("sim.scene=obstacles")
+        images, frame = self.dumped("map", "occupancy", "truth/map_cells")
+        obstacles = (images["occupancy"] >= 65) & (images["occupancy"] <= 100) & (images["truth/map_cells"] == 2)
+        rows, columns = obstacles.nonzero()
+        self.assertGreater(len(rows), 5)
+        found = 0
+        for row, column in list(zip(rows, columns))[::max(1, len(rows) // 8)]:
+            told = self.why(row, column)
+            self.assertEqual(told["standing"]["pixels"], told["cell"]["points"], (row, column))
+            if told["cell"]["verdict"] != "obstacle":
+                continue  # another frame with other noise
+            found += 1
+            self.assertGreaterEqual(told["cell"]["occupancy"], 50)
+            self.assertGreaterEqual(told["cell"]["points_around"], told["cell"]["points"])
+            least, most = told["standing"]["disparities"]
+            self.assertLessEqual(least, most)
+            pixel = self.why(sum(told["standing"]["rows"]) // 2, sum(told["standing"]["columns"]) // 2, "--pixel")["pixel"]
+            if pixel.get("surface") == "obstacle":
+                self.assertGreater(pixel["height"], 0.2)  # max_height
+        self.assertGreater(found, 3)
+
+    def test_words_tell_what_json_tells(self):
+        self.daemon("sim.scene=empty")
+        told = run("vdisp-probe", "why", 29, 25, "--cell").stdout
+        for words in ("synthetic", "row 29  column 25   z 2.05 m  x +0.00 m", "floor: floor is seen", "an obstacle from 65 % on",
+                      "an obstacle from 3 on", "no pixel of an obstacle", "its floor lies in rows", "found, camera 0."):
+            self.assertIn(words, told)
+        told = run("vdisp-probe", "why", 300, 320, "--pixel").stdout
+        for words in ("row 300  column 320", "over the local floor", "floor would have", "verdict      floor"):
+            self.assertIn(words, told)
+
+    def test_a_blind_frame_says_why_and_gives_no_verdict(self):
+        self.daemon("sim.scene=empty", "sim.event=cap")
+        told = self.why(29, 25)
+        self.assertEqual((told["state"], told["reason"]), ("blind", "too_dark"))
+        self.assertNotIn("cell", told)
+        told = self.why(300, 320, "--pixel")
+        self.assertEqual(told["state"], "blind")
+        self.assertIsNone(told["pixel"]["disparity"])
+        self.assertNotIn("cell", told)
+        self.assertIn("BLIND", run("vdisp-probe", "why", 29, 25).stdout)
+
+    def test_what_cannot_be_explained_is_64_and_says_what_can(self):
+        self.assert_refused(run("vdisp-probe", "why", 1), 64, "COLUMN")
+        self.assert_refused(run("vdisp-probe", "why", 1, "x"), 64, "x")
+        self.assert_refused(run("vdisp-probe", "why", 1, 1, "--cell", "--pixel"), 64, "--pixel")
+        self.daemon("sim.scene=empty", "Floor.model=line")
+        self.assert_refused(run("vdisp-probe", "why", 1, 1), 64, "'surface'", "[Floor] model", "profile")
+
+    def test_places_outside_the_image_are_64(self):
+        self.daemon("sim.scene=empty")
+        self.assert_refused(run("vdisp-probe", "why", 50, 0), 64, "row 50", "rows 0 to 49", "columns 0 to 50", "--pixel")
+        self.assert_refused(run("vdisp-probe", "why", 0, 640, "--pixel"), 64, "column 640", "columns 0 to 639")
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([BIN / "vdisp-probe", "why", "1", "1"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=20)
+        self.assert_refused(result, 74, "output", "No space left")
 
 
 @unittest.skipUnless(shutil.which("Xvfb") and shutil.which("xdotool"), "needs Xvfb and xdotool")

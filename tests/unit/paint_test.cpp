@@ -76,6 +76,79 @@ TEST(Paint, each_reason_of_rejection_has_a_muted_colour_of_its_own) {
   }
 }
 
+int apart(Colour a, Colour b) { return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b); }
+
+TEST(Paint, each_reason_of_a_cell_has_a_colour_that_can_be_told_from_all_others) {
+  const auto colour = [](CellReason why) { return reason_colour(static_cast<uint8_t>(why)); };
+  for (uint8_t a = 0; a <= cell_reasons; ++a)
+    for (uint8_t b = 0; b < a; ++b) EXPECT_GE(apart(reason_colour(a), reason_colour(b)), 30) << int{a} << " and " << int{b};
+  EXPECT_GT(colour(CellReason::floor).g, 1.5 * colour(CellReason::floor).r);
+  EXPECT_GT(colour(CellReason::obstacle).r, 2 * colour(CellReason::obstacle).g);
+  EXPECT_GT(colour(CellReason::overhang).b, 2 * colour(CellReason::overhang).r);
+  EXPECT_GT(std::min(colour(CellReason::drop_off).r, colour(CellReason::drop_off).b), 2 * colour(CellReason::drop_off).g);
+  // What is unknown is grey or brown: hardly a colour, or the red of a brown, and never the blue, green or magenta of what is known.
+  for (auto code = static_cast<uint8_t>(CellReason::too_near); code < cell_reasons; ++code) {
+    const Colour c = reason_colour(code);
+    EXPECT_LE(c.g, c.r + 4) << int{code};
+    EXPECT_LE(c.b, c.r + 12) << int{code};
+    EXPECT_LE(c.r, c.g + 50) << int{code};
+  }
+}
+
+TEST(Paint, reasons_are_a_plan_with_a_legend_of_those_that_are_there) {
+  BufferOutlet outlet = blank(Pixel::gray8, 51, 50);
+  Image& image = outlet.loan();
+  give_grid(image);
+  for (int x = 0; x < 51; ++x)
+    for (int y = 0; y < 25; ++y) set<uint8_t>(image, x, y, static_cast<uint8_t>(CellReason::floor));
+  set<uint8_t>(image, 30, 10, static_cast<uint8_t>(CellReason::drop_off));
+  const Painted painted = paint("reason", image, {});
+  EXPECT_EQ(painted.cell, 12);
+  EXPECT_EQ(painted.picture.row(10 * 12 + 4)[30 * 12 + 4], reason_colour(static_cast<uint8_t>(CellReason::drop_off)));
+  const auto items = legend("reason", image, {});
+  ASSERT_EQ(items.size(), 3u);
+  EXPECT_EQ(items[0].to, "out of view 50%");
+  EXPECT_EQ(items[1].to, "floor 50%");
+  EXPECT_EQ(items[2].to, "drop-off <1%");
+  EXPECT_EQ(items[2].colours.at(0), reason_colour(static_cast<uint8_t>(CellReason::drop_off)));
+  EXPECT_EQ(read_out("reason", image, 30, 10), "row 10  column 30   drop-off  z 3.95 m  x +0.50 m  (cell of 0.10 m)");
+}
+
+TEST(Paint, surfaces_have_the_colours_of_the_cells_they_make) {
+  BufferOutlet outlet = blank(Pixel::gray8, 5, 1);
+  for (uint8_t code = 0; code < 5; ++code) set<uint8_t>(outlet.loan(), code, 0, code);
+  const Painted painted = paint("surface", outlet.loan(), {});
+  const auto cell = [](CellReason why) { return reason_colour(static_cast<uint8_t>(why)); };
+  const Colour* row = painted.picture.row(0);
+  EXPECT_EQ(row[1], cell(CellReason::floor));
+  EXPECT_EQ(row[2], cell(CellReason::obstacle));
+  EXPECT_EQ(row[3], cell(CellReason::overhang));
+  EXPECT_EQ(row[4], cell(CellReason::drop_off));
+  const auto items = legend("surface", outlet.loan(), {});
+  ASSERT_EQ(items.size(), 5u);
+  EXPECT_EQ(items[4].to, "below the floor 20%");
+  EXPECT_EQ(read_out("surface", outlet.loan(), 3, 0), "row 0  column 3   overhang");
+  EXPECT_EQ(read_out("left", outlet.loan(), 3, 0), "row 0  column 3   3");
+}
+
+TEST(Paint, occupancy_jumps_where_a_cell_becomes_an_obstacle_and_is_grey_where_nothing_is_known) {
+  const Colour unknown = occupancy_colour(-1), free = occupancy_colour(0);
+  EXPECT_LT(std::abs(unknown.r - unknown.b), 16);
+  EXPECT_GT(free.g, 2 * free.r);
+  for (int percent = 1; percent <= 100; ++percent) {
+    const int step = apart(occupancy_colour(static_cast<int8_t>(percent)), occupancy_colour(static_cast<int8_t>(percent - 1)));
+    if (percent == occupied_from)
+      EXPECT_GT(step, 90);
+    else
+      EXPECT_LT(step, 12) << percent;
+  }
+  BufferOutlet outlet = blank(Pixel::int8, 51, 50);
+  give_grid(outlet.loan());
+  set<int8_t>(outlet.loan(), 30, 29, 80);
+  EXPECT_EQ(read_out("occupancy", outlet.loan(), 30, 29), "row 29  column 30   80 % occupied  z 2.05 m  x +0.50 m  (cell of 0.10 m)");
+  EXPECT_EQ(legend("occupancy", outlet.loan(), {}).size(), 3u);
+}
+
 TEST(Paint, more_votes_are_never_darker_and_one_vote_is_visible) {
   BufferOutlet outlet = blank(Pixel::count16, 600, 1);
   for (int16_t n = 0; n < 600; ++n) set<int16_t>(outlet.loan(), n, 0, n);
@@ -123,7 +196,8 @@ TEST(Paint, every_kind_of_picture_can_be_painted_at_one_pixel) {
   for (Pixel pixel :
        {Pixel::gray8, Pixel::mask8, Pixel::rgb8, Pixel::disparity16, Pixel::count16, Pixel::height16, Pixel::int8, Pixel::line16}) {
     BufferOutlet outlet = blank(pixel, 1, 1);
-    for (const char* topic : {"x", "map", "truth/object"}) EXPECT_GT(portrait(topic, outlet.loan(), {}).width(), 0) << name(pixel);
+    for (const char* topic : {"x", "map", "truth/object", "reason", "surface"})
+      EXPECT_GT(portrait(topic, outlet.loan(), {}).width(), 0) << name(pixel);
     EXPECT_FALSE(read_out("x", outlet.loan(), 0, 0).empty()) << name(pixel);
     EXPECT_TRUE(read_out("x", outlet.loan(), 1, 0).empty()) << name(pixel);
     EXPECT_TRUE(read_out("x", outlet.loan(), 0, -1).empty()) << name(pixel);
