@@ -21,7 +21,7 @@ constexpr double depth_off = 1.0, depth_share = 0.03;     // px, and of the disp
 constexpr int dark = 14, bright = 250;                    // grey levels
 constexpr int floor_leads = 3;                            // cells: floor no farther than this before a drop-off leads up to it
 constexpr int slope_cells = 5;                            // that the ground's slope before a drop-off is taken from
-constexpr int hidden_cells = 4, least_hidden = 3;  // of a drop-off: cells looked at, and through which what is lower is seen
+constexpr int hidden_cells = 4, least_hidden = 2;         // of a drop-off: cells looked at, and through which what is lower is seen
 constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
 
 CellReason reason_of(uint8_t code) {
@@ -182,8 +182,10 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   beyond_[cell] = {};
   const int own = obstacles_[cell], around = seen(row, column);
   int risk = 0;
-  if (own >= config_.map.minCount && 3 * own >= around && where.d_near > 0)
-    risk = static_cast<int>(100 * (1 - std::exp(-around / (share_for_e * std::max(expected(in, where), 1.0)))));
+  // Of three cells in a row those that hold a fair part have all of it; one at the rim of an obstacle has what is its own.
+  const int counted = 3 * own >= around ? around : own;
+  if (own >= config_.map.minCount && where.d_near > 0)
+    risk = static_cast<int>(100 * (1 - std::exp(-counted / (share_for_e * std::max(expected(in, where), 1.0)))));
   if (risk >= occupied) return say(risk, CellReason::obstacle);
   const double all = std::max(tally.all, 1);
   if (tally.floor >= least_floor * all && tally.all > 0) {
@@ -242,7 +244,8 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) con
       const double of_slope = steepest > 0 ? past * tangent * steepest / (tangent - steepest) + beside_slope : 0;
       const auto is_deep = [&](int r, double at_least) {
         const Beyond& through = beyond_[static_cast<size_t>(r * columns_ + column)];
-        return through.ahead > 0 && here + slope * (static_cast<double>(through.ahead) - edge) - static_cast<double>(through.height) >= at_least;
+        return through.ahead > 0 &&
+               here + slope * (static_cast<double>(through.ahead) - edge) - static_cast<double>(through.height) >= at_least;
       };
       if (!is_deep(row, std::max(least, of_slope))) continue;
       // What is lower lies behind a hidden stretch, seen through all the cells there; one false match is seen through one.
