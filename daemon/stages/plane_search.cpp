@@ -16,6 +16,7 @@ constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disp
 constexpr double least_on = 40, most_beyond = 0.5;        // points
 constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
+constexpr size_t few = 3;                       // guesses are fitted to every third point, the best of them to all
 constexpr double nearer_side = 0.7;
 constexpr double bumps = 0.25;                           // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
@@ -147,10 +148,10 @@ PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView&
   return found;
 }
 
-FloorPlane PlaneSearch::refine(FloorPlane plane) const {
-  for (const double width : {1.5, 1.2, 1.0, 1.0}) {
+FloorPlane PlaneSearch::refine(FloorPlane plane, size_t step) const {
+  for (const double width : {step > 1 ? 1.5 : 1.0, step > 1 ? 1.2 : 1.0}) {
     double s[3][4]{};
-    for (size_t i = 0; i < n_; ++i) {
+    for (size_t i = 0; i < n_; i += step) {
       const auto [u, v, d] = point(i);
       // What stands on the floor is nearer: on that side less is allowed for.
       const double floor = plane.across * u + plane.down * v + plane.middle, limit = width * reach(floor) * (d > floor ? nearer_side : 1);
@@ -206,10 +207,12 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
   std::optional<Found> winner;
   for (size_t i = 0; i < count; ++i) {
     // What a fit makes of a guess counts, not the guess: a guess is as near as it may be to what was expected.
-    const Found found = judge(refine(best[i].plane), view, last);
+    const Found found = judge(refine(best[i].plane, few), view, last);
     if (found.score > 0 && (!winner || found.score > winner->score)) winner = found;
   }
-  return winner;
+  if (!winner) return winner;
+  const Found exact = judge(refine(winner->plane, 1), view, last);
+  return exact.score > 0 ? exact : winner;
 }
 
 }  // namespace vdisp

@@ -56,7 +56,8 @@ class PlaneSearch {
   bool within_mounting(const PlanePose& pose) const;
   std::optional<Found> try_planes(const StereoView& view, Random& random, const FloorPlane* last);
   Found judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
-  FloorPlane refine(FloorPlane plane) const;
+  /// Fits it to every `step`th of its points; from 2 on as a guess, that may be far off.
+  FloorPlane refine(FloorPlane plane, size_t step) const;
   kernels::DisparityPoints lists() const { return {u_.data(), v_.data(), d_.data()}; }
   size_t any(Random& random) const { return random() % n_; }
 
