@@ -52,6 +52,13 @@ def tuned_angles(parts):
     return {"Floor.anglefloorMin": round(0.7 * angle, 4), "Floor.anglefloorMax": round(min(1.3 * angle, 1.55), 4)}
 
 
+def floor_variants(parts):
+    """The paper's line with its own angles and with tuned ones; and the default model with what an operator measures with a tape."""
+    line = {"Floor.model": "line"}
+    return (("line", line), ("line, tuned", {**line, **tuned_angles(parts)}),
+            ("profile", {"mounting.height": parts["height"], "mounting.pitch": round(parts["pitch"] * DEGREE, 3)}))
+
+
 def lower_third(parts, corrsize=11):
     """Measures the share of pixels with a disparity in the lower third of what can be matched."""
     def look(frame):
@@ -76,15 +83,15 @@ def floor_section(daemon, section):
             continue
         density = lower_third(parts)
         variants = [(m, word, {**base, "image source.matcher": m, **angles})
-                    for m in MATCHERS for word, angles in (("paper", {}), ("tuned", tuned_angles(parts)))]
+                    for m in MATCHERS for word, angles in floor_variants(parts)]
         frames = 30 if daemon.quick else None
-        runs = [(f"floor-{name.replace('/', '-')}/{m}-{word}", sets, frames) for m, word, sets in variants]
+        runs = [(f"floor-{name.replace('/', '-')}/{m}-{word.replace(', ', '-')}", sets, frames) for m, word, sets in variants]
         results = daemon.measure_all(name, runs, lambda frame: (frame.floor, density(frame)))
         for (matcher, word, sets), looks in zip(variants, results):
             found = [f for f, _ in looks if f["state"] == "found"]
             heights = [f["height_m"] for f in found]
             pitches = [f["pitch_rad"] / DEGREE for f in found if f["pitch_rad"] is not None]
-            rows.append({"set": name, "matcher": matcher, "angles": word, "ndisp": parts["ndisp"], "frames": len(looks),
+            rows.append({"set": name, "matcher": matcher, "floor": word, "ndisp": parts["ndisp"], "frames": len(looks),
                          "found": len(found) / len(looks),
                          **{f"height p{p} [m]": percentile(heights, p) for p in (10, 50, 90)},
                          **{f"pitch p{p} [deg]": percentile(pitches, p) for p in (10, 50, 90)},
@@ -92,10 +99,10 @@ def floor_section(daemon, section):
                          "confidence": mean(f["confidence"] for f in found), "command": daemon.command_line(sets)})
         if name == "rover_minnie/rectified":
             minnie_gate(section, results, variants)
-        section.command(daemon.command_line({**base, "image source.matcher": "MATCHER", **tuned_angles(parts)}))
+        section.command(daemon.command_line({**base, "image source.matcher": "MATCHER", **floor_variants(parts)[2][1]}))
     if not rows:
         raise Skipped("none of the sets is there")
-    columns = [("set", ""), ("matcher", ""), ("angles", ""), ("ndisp", "d"), ("frames", "d"), ("found", ".2f")]
+    columns = [("set", ""), ("matcher", ""), ("floor", ""), ("ndisp", "d"), ("frames", "d"), ("found", ".2f")]
     columns += [(f"height p{p} [m]", ".3f") for p in (10, 50, 90)] + [(f"pitch p{p} [deg]", ".2f") for p in (10, 50, 90)]
     section.table(columns + [("density", ".3f"), ("confidence", ".2f")], rows,
                   "True: rover_minnie 1.67 m, 35.3 deg; robot_indoor 0.28 m, about -1 deg; kitti_street 1.65 m, about 0 deg; "
@@ -104,9 +111,9 @@ def floor_section(daemon, section):
 
 
 def minnie_gate(section, results, variants):
-    """The gate stands for the paper's own configuration; the other variants are in the table."""
+    """The gate stands for the default model; the other variants are in the table."""
     for (matcher, word, _), looks in zip(variants, results):
-        if (matcher, word) != ("bm", "paper"):
+        if (matcher, word) != ("bm", "profile"):
             continue
         poses = [(f["height_m"], f["pitch_rad"] / DEGREE) if f["state"] == "found" else (math.inf, math.inf) for f, _ in looks]
         good = [abs(h / 1.67 - 1) <= 0.02 and abs(p - 35.3) <= 1 for h, p in poses]
@@ -142,27 +149,27 @@ def lidar_truth(depth, camera, ndisp, corrsize=11):
 
 def lidar_section(daemon, section):
     folder = daemon.set_folder("kitti_lidar")
-    # atan(1.65 / (16 * 0.5327)) = 0.191, 30 % to each side.
-    angles = tuned_angles({"height": 1.65, "baseline": 0.53272, "pitch": 0.0})
+    # Tuned: atan(1.65 / (16 * 0.5327)) = 0.191, 30 % to each side.
+    variants = floor_variants({"height": 1.65, "baseline": 0.53272, "pitch": 0.0})
     rows = []
     for matcher in MATCHERS:
-        for word, more in (("paper", {}), ("tuned", angles)):
+        for word, more in variants:
             total = dict.fromkeys(COUNTS, 0)
             for place in sorted(p for p in folder.iterdir() if p.is_dir()):
-                row = daemon.measure(f"lidar/{matcher}-{word}-{place.name}", lidar_sets(place, matcher, more), 1,
+                row = daemon.measure(f"lidar/{matcher}-{word.replace(', ', '-')}-{place.name}", lidar_sets(place, matcher, more), 1,
                                      lambda frame: lidar_row(frame, place))[0]
-                rows.append({"matcher": matcher, "angles": word, "pair": place.name, **row})
+                rows.append({"matcher": matcher, "floor": word, "pair": place.name, **row})
                 for key in total:
                     total[key] += row[key]
-            rows.append({"matcher": matcher, "angles": word, "pair": "pooled", **shares(total), **total})
-    columns = [("matcher", ""), ("angles", ""), ("pair", ""), ("found", ""), ("pitch off [deg]", ".2f"), ("height [m]", ".3f")]
+            rows.append({"matcher": matcher, "floor": word, "pair": "pooled", **shares(total), **total})
+    columns = [("matcher", ""), ("floor", ""), ("pair", ""), ("found", ""), ("pitch off [deg]", ".2f"), ("height [m]", ".3f")]
     columns += [("lidar height [m]", ".3f"), ("obstacle cells", "d"), ("of lidar", "d"), ("precision", ".3f")]
     section.table(columns + [("by chance", ".3f"), ("recall", ".3f"), ("F1", ".3f"), ("same cell precision", ".3f"),
                               ("recall ", ".3f")], rows,
                   "Map of 20 m x 16 m, cells of 0.5 m, against the lidar's; one cell of tolerance; cells the lidar did not "
                   "see are left out. Pitch off: floor found minus the lidar's plane. By chance: the precision of a map that "
                   "is all obstacle. The last two: without tolerance.")
-    section.command(daemon.command_line(lidar_sets(folder / "PAIR", "MATCHER", angles), 1))
+    section.command(daemon.command_line(lidar_sets(folder / "PAIR", "MATCHER", variants[2][1]), 1))
 
 
 def lidar_sets(place, matcher, more):
