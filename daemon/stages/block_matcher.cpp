@@ -51,7 +51,7 @@ kernels::BlockSearch BlockMatcher::plain_search() const {
   search.unique = kernels::percent_factor(p.unique);
   // Truncated costs of rivals grow less: this gives the density that full ones give at `unique`. What log and census find besides, it
   // would let through with too many errors.
-  if (p.matcher == "bm" && p.prefilter == "sobel") search.unique = search.unique * 4 / 5;
+  if (p.matcher == "bm" && p.prefilter == "sobel") search.unique = search.unique * 3 / 4;
   search.left_right = kernels::percent_factor(left_right_margin);
   return search;
 }

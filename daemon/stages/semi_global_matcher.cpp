@@ -11,7 +11,7 @@ namespace {
 constexpr int rows_across = kernels::SemiGlobalVolume::rows_across;
 constexpr int gradient_cap = 31;       // as in the block matcher
 constexpr int left_right_margin = 60;  // percent: sums of paths differ by little from one pixel to the next
-constexpr int most_of_path = 45;       // less thresh: a path that costs more found nothing: noise, and what one view alone sees
+constexpr int most_of_path = 40;       // less thresh: a path that costs more found nothing: noise, and what one view alone sees
 constexpr int least_of_path = 20;
 constexpr int least_band = 8;  // rows
 

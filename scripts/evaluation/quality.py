@@ -211,6 +211,20 @@ def gate(section, what, checks):
     section.gate(what, not wrong, text, "all")
 
 
+def mean_rows(rows):
+    """Of what every set has, the mean over the sets, each with the same weight: what one set trades in density for errors, another may
+    trade the other way."""
+    sets = list(dict.fromkeys(row["set"] for row in rows))
+    means = []
+    for matcher in dict.fromkeys(row["matcher"] for row in rows):
+        of = [row for row in rows if row["matcher"] == matcher]
+        if len(of) == len(sets) > 1:
+            means.append({"set": "mean", "matcher": matcher, "pairs": sum(row["pairs"] for row in of),
+                          **{k: float(np.mean([row[k] for row in of])) for k in ("density", "bad-1", "bad-2", "seen density", "seen bad-1", "seen bad-2")},
+                          **dict.fromkeys(("ndisp", "obstacles density", "obstacles bad-2"))})
+    return means
+
+
 def matching_gates(section, rows):
     """Block matching against StereoBM, sgm against MODE_HH, floor-aligned against not, all at equal settings."""
     of = {(row["set"], row["matcher"]): row for row in rows}
@@ -253,6 +267,7 @@ def matching_section(daemon, options, section):
             pictures.write(pathlib.Path(options.pictures), views)
     if not rows:
         raise Skipped("none of the sets is there")
+    rows += mean_rows(rows)
     matching_gates(section, rows)
     section.table([("set", ""), ("matcher", ""), ("ndisp", "d"), ("pairs", "d"), ("density", ".2f"), ("bad-1", ".2f"), ("bad-2", ".2f"),
                    ("seen density", ".2f"), ("seen bad-1", ".2f"), ("seen bad-2", ".2f"), ("obstacles density", ".2f"),
