@@ -1,6 +1,7 @@
 # daemon.py: runs vdispd with --dump, several at once, and reads what it wrote.
 # SPDX-License-Identifier: Apache-2.0
 import concurrent.futures
+import hashlib
 import json
 import os
 import pathlib
@@ -11,6 +12,8 @@ import tempfile
 import time
 
 import cv2
+
+from evaluation.report import plain
 
 
 class Skipped(Exception):
@@ -54,9 +57,37 @@ class Daemon:
         self.empty.write_text("")
         self.memo = {}
         self.kinds, self.sets = None, {}  # kinds of scenes asked for (None: all), and parameters for them
+        self.peers = self.binary.parent / "vdisp-peers"
+        self.pictures = self.resume = None  # folders for pictures, and for results to go on from
+        self.start = time.monotonic()
 
     def close(self):
         shutil.rmtree(self.work, ignore_errors=True)
+
+    def say(self, text):
+        print(f"evaluate: {text}, {time.monotonic() - self.start:.0f} s", file=sys.stderr, flush=True)
+
+    def identity(self):
+        """Says which daemon it is, so that results of another one are not taken for its own."""
+        parts = [self.binary] + sorted(self.binary.parent.glob("vdisp_sim.so"))
+        return hashlib.sha256(b"".join(part.read_bytes() for part in parts)).hexdigest()
+
+    def remembered(self, name, settings, work):
+        """What work() gives; with --resume kept in a file, and taken from there where daemon and settings are the same."""
+        if not self.resume:
+            return work()
+        path, settings = self.resume / f"{name}.json", plain({"daemon": self.identity(), "settings": settings})
+        if path.is_file():
+            kept = json.loads(path.read_text())
+            if {key: kept[key] for key in settings} == settings:
+                self.say(f"{name}: taken from {path}")
+                return kept["results"]
+        results = plain(work())
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial = path.with_suffix(".partial")
+        partial.write_text(json.dumps({**settings, "results": results}))
+        partial.replace(path)
+        return results
 
     def set_folder(self, *names):
         """A data set's folder; Skipped where it is missing."""
@@ -117,10 +148,11 @@ class Daemon:
         return results
 
 
-def build(root):
-    """Set-up and release build; the folder of the programs."""
-    for command in (["scripts/setup", "evaluate"], ["scripts/build", "release"]):
-        code = subprocess.run(command, cwd=root, stdout=sys.stderr).returncode
+def build(root, peers=False):
+    """Set-up and release build, with vdisp-peers if wanted; the folder of the programs."""
+    options = os.environ.get("VDISP_CMAKE_OPTIONS", "") + (" -DVDISP_PEERS=ON" if peers else "")
+    for command in (["scripts/setup", "peers" if peers else "evaluate"], ["scripts/build", "release"]):
+        code = subprocess.run(command, cwd=root, stdout=sys.stderr, env={**os.environ, "VDISP_CMAKE_OPTIONS": options}).returncode
         if code != 0:
             sys.exit(code)
     return os.path.join(root, "build", "release", "bin")

@@ -127,7 +127,7 @@ def obstacle_section(daemon, section):
     for kind in chosen(daemon):
         _, frames, _ = KINDS[kind]
         runs = [(f"kinds/{kind}/{s}", parameters(daemon, kind, s), frames) for s in seeds]
-        results = daemon.measure_all(f"kind {kind}", runs, look_at_kind)
+        results = daemon.remembered(f"kinds-{kind}", runs, lambda: daemon.measure_all(f"kind {kind}", runs, look_at_kind))
         looks = [(seed, i, look) for seed, run in zip(seeds, results) for i, look in enumerate(run)]
         for source in ("map", "occupancy"):
             if source in looks[0][2]:
@@ -165,7 +165,7 @@ def free_section(daemon, section):
             return frame.json["sequence"], frame.floor["state"], said
 
         runs = [(f"kinds-free/{kind}/{s}", parameters(daemon, kind, s, **{"sim.scene": "empty"}), frames) for s in seeds]
-        results = daemon.measure_all(f"kind {kind}, bare", runs, look)
+        results = daemon.remembered(f"kinds-free-{kind}", runs, lambda: daemon.measure_all(f"kind {kind}, bare", runs, look))
         looks = [(seed, *l) for seed, run in zip(seeds, results) for l in run]
         for source in ("map", "occupancy"):
             if source not in looks[0][3]:

@@ -199,14 +199,19 @@ def calibration_of(path):
     return {"f": left[0][0], "cx": left[0][2], "cy": left[1][2], "baseline": -right[0][3] / right[0][0]}
 
 
+def compare_cells(found, truth, observed, right=None):
+    """Numbers of cells, for shares(). `right`: where a found cell is right, if that is more than the cells to be found."""
+    near_truth, near_found = geometry.wider(truth if right is None else right), geometry.wider(found)
+    masks = {"hit": found & near_truth, "wrong": found & observed & ~near_truth, "met": truth & near_found, "true": truth,
+             "exact": found & truth, "seen": observed, "near": observed & near_truth, "found seen": found & observed}
+    return {key: int(mask.sum()) for key, mask in masks.items()}
+
+
 def lidar_row(frame, place):
     depth = cv2.imread(str(place / "depth_m_x256.png"), cv2.IMREAD_UNCHANGED).astype(np.float32) / 256
     truth, observed, pitch, height = lidar_truth(depth, calibration_of(place / "calibration.yml"), LIDAR["image source.ndisp"])
     found = frame.image("map") >= 3 if frame.valid("map") else np.zeros(truth.shape, bool)
-    near_truth, near_found = geometry.wider(truth), geometry.wider(found)
-    masks = {"hit": found & near_truth, "wrong": found & observed & ~near_truth, "met": truth & near_found, "true": truth,
-             "exact": found & truth, "seen": observed, "near": observed & near_truth, "found seen": found & observed}
-    counts = {key: int(mask.sum()) for key, mask in masks.items()}
+    counts = compare_cells(found, truth, observed)
     floor = frame.floor
     return {**counts, **shares(counts), "found": "yes" if frame.valid("map") else frame.json["stages"]["map"]["reason"],
             "pitch off [deg]": floor["pitch_rad"] / DEGREE - pitch if floor["pitch_rad"] is not None else None,

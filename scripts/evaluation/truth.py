@@ -51,6 +51,9 @@ class SceneTruth:
         hanging = np.isin(number, [o["number"] for o in scene["objects"] if o["bottom"] >= CLEARANCE])
         low = high & ~hanging
         self.in_the_way = grid.mask(self.x[low], self.z[low])  # as occupied, without what hangs high
+        plain = np.isin(number, [o["number"] for o in scene["objects"] if not o["textured"]])
+        sure = low & self.matchable & ~plain
+        self.to_be_seen = grid.counts(self.x[sure], self.z[sure]) >= 10  # cells with so many pixels of what can be matched
         on_ground = self.matchable & (number == GROUND)
         self.ground = grid.mask(self.x[on_ground], self.z[on_ground])  # cells whose ground can be matched
         self.kind = frame.image("truth/map_cells")
