@@ -83,7 +83,7 @@ def section(daemon, section):
     judge(section, rows)
     if daemon.pictures:
         daemon.pictures.mkdir(parents=True, exist_ok=True)
-        (daemon.pictures / "approach.svg").write_text(plot(tracks, board))
+        cv2.imwrite(str(daemon.pictures / "approach.png"), plot(tracks, board))
 
 
 COLUMNS = [("from", ""), ("seen", ".3f"), ("error p50 [m]", ".3f"), ("|error| p50 [m]", ".3f"), ("|error| p90 [m]", ".3f"), ("scale", ".3f"),
@@ -115,32 +115,42 @@ def judge(section, rows):
     """Gates are for the default matcher and the map that planners are meant to read."""
     row = next(r for r in rows if r["from"] == "bm, occupancy")
     error = row["|error| p50 [m]"]
-    section.gate("range of the box: median error below one cell", error is not None and error < GRID.cell, f"{error} m", "< 0.1 m")
+    section.gate("range of the box: median error below one cell", error is not None and error < GRID.cell, f"{error:.3f} m" if error is not None else "never seen", "< 0.1 m")
     punctual = row["rise"] is not None and abs(row["rise"]) <= LATE and abs(row["fall"]) <= LATE
     section.gate(f"alarm at {ALARM} m rises and falls within {LATE} frames of the board's", punctual,
                  f"{row['rise']} and {row['fall']} frames", f"at most {LATE}")
 
 
-COLOURS = {"bm, map": "#7fb3d5", "bm, occupancy": "#1f4e79", "sgm, map": "#f0b27a", "sgm, occupancy": "#b9500f"}
+WIDTH, HEIGHT, TOP, LEFT, MOST = 960, 190, 24, 40, 3.0  # of a panel, pixels; and m
+GREY, RED, BLUE, BLACK = (216, 216, 216), (0, 0, 200), (160, 80, 0), (0, 0, 0)
+
+
+def panel(name, track, board, frames):
+    """Range over frame: the board a line, the box in the map dots; below, alarms in the colour of the dots, over the board's in black."""
+    picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+
+    def place(frame, z):
+        return LEFT + round((WIDTH - LEFT - 8) * frame / frames), TOP + round((HEIGHT - TOP - 30) * (1 - min(z, MOST) / MOST))
+
+    def text(words, x, y):
+        cv2.putText(picture, words, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.42, BLACK, 1, cv2.LINE_AA)
+
+    text(f"{name}: range of the box [m] over the frame; line: board; below: alarm, black: the board's", LEFT, 14)
+    for z in (0, ALARM, 1, 2, 3):
+        cv2.line(picture, place(0, z), place(frames, z), RED if z == ALARM else GREY)
+        text(f"{z:g}", 8, place(0, z)[1] + 4)
+    points = [place(n, z) for n, z in sorted(board.range.items())]
+    cv2.polylines(picture, [np.array(points)], False, BLACK, 1, cv2.LINE_AA)
+    for n, (seen, alarm, _) in track.items():
+        if seen is not None:
+            cv2.circle(picture, place(n, seen), 2, BLUE, -1, cv2.LINE_AA)
+        if alarm:
+            cv2.rectangle(picture, (place(n, 0)[0], HEIGHT - 22), (place(n + 1, 0)[0], HEIGHT - 16), BLUE, -1)
+    first, last = board.alarms()[0], board.alarms()[-1]
+    cv2.rectangle(picture, (place(first, 0)[0], HEIGHT - 12), (place(last + 1, 0)[0], HEIGHT - 6), BLACK, -1)
+    return picture
 
 
 def plot(tracks, board):
-    """Range over frame as SVG, one panel for each track: the board as a line, the map's range as dots, alarms as bars below."""
-    width, height, top, most, wide = 900, 190, 24, 3.0, 860 / max(max(track) for track in tracks.values())
-    across, down = (lambda n: 34 + wide * n), (lambda z: top + (height - top - 26) * (1 - z / most))
-    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height * len(tracks)}" font-family="sans-serif" font-size="11">',
-             '<rect width="100%" height="100%" fill="white"/>']
-    for panel, (name, track) in enumerate(tracks.items()):
-        lines.append(f'<g transform="translate(0 {panel * height})"><text x="34" y="14">{name}: range of the box [m] over the frame; line: board</text>')
-        for z in (0, ALARM, 1, 2, 3):
-            lines.append(f'<path d="M34 {down(z):.1f}H894" stroke="{"#c00" if z == ALARM else "#ddd"}"/><text x="4" y="{down(z) + 4:.1f}">{z}</text>')
-        points = " ".join(f"{across(n):.1f},{down(z):.1f}" for n, z in sorted(board.range.items()))
-        lines.append(f'<polyline points="{points}" fill="none" stroke="black"/>')
-        for n, (seen, alarm, _) in track.items():
-            if seen is not None and seen < most:
-                lines.append(f'<circle cx="{across(n):.1f}" cy="{down(seen):.1f}" r="2" fill="{COLOURS[name]}"/>')
-            if alarm:
-                lines.append(f'<rect x="{across(n):.1f}" y="{height - 18}" width="{wide:.2f}" height="6" fill="{COLOURS[name]}"/>')
-        first, last = board.alarms()[0], board.alarms()[-1]
-        lines.append(f'<rect x="{across(first):.1f}" y="{height - 10}" width="{wide * (last - first + 1):.1f}" height="6"/></g>')
-    return "\n".join(lines + ["</svg>", ""])
+    frames = max(max(track) for track in tracks.values()) + 1
+    return np.vstack([panel(name, track, board, frames) for name, track in tracks.items()])

@@ -11,12 +11,12 @@ struct Filters {
   float band = 2;             ///< plane: how far below and above the mounting's ground it is sought, of `least`
   float reach = 0.5F;         ///< plane: distance of its points, of `least`
   float normal_weight = 0.1F;
-  int neighbours = 20;        ///< of a normal
-  float tilt = 0.17F;         ///< plane: most against the mounting's, rad
-  int window = 20;            ///< morphological: largest, in its cells
-  float slope = 0.3F;         ///< morphological: steepest ground
-  float step = 1;             ///< morphological: most that ground may stand over the opened surface, of `least`
-  int cell_voxels = 3;        ///< fewest voxels that make a cell an obstacle
+  int neighbours = 20;  ///< of a normal
+  float tilt = 0.17F;   ///< plane: most against the mounting's, rad
+  int window = 20;      ///< morphological: largest, in its cells
+  float slope = 0.3F;   ///< morphological: steepest ground
+  float step = 1;       ///< morphological: most that ground may stand over the opened surface, of `least`
+  int cell_voxels = 3;  ///< fewest voxels that make a cell an obstacle
 };
 
 /// Fewer points of about equal density (pcl::VoxelGrid).

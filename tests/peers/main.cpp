@@ -19,7 +19,8 @@ using namespace peers;
 struct Options {
   std::vector<std::string> frames;
   std::vector<std::string> matchers{"StereoBM", "StereoSGBM"}, grounds{"plane", "morphological"};
-  int disparities = 128, repeat = 1;
+  Search search;
+  int repeat = 1;
   Mounting mounting;
   Area area;
   Filters filters;
@@ -67,11 +68,12 @@ nlohmann::json measure(const Options& options, const fs::path& frame, const std:
   // The first round is not timed where there are more: it finds cold caches.
   for (int i = 0; i < options.repeat; ++i) {
     auto start = std::chrono::steady_clock::now();
-    const cv::Mat disparity = match(matcher, options.disparities, left, right);
+    const cv::Mat disparity = match(matcher, options.search, left, right);
     const double match_ms = elapsed_ms(start);
     start = std::chrono::steady_clock::now();
     const auto cloud = thin(point_cloud(disparity, camera, options.mounting, options.area), options.area, options.filters);
-    const auto obstacles = ground == "plane" ? above_plane(cloud, options.area, options.filters) : not_ground(cloud, options.area, options.filters);
+    const auto obstacles =
+        ground == "plane" ? above_plane(cloud, options.area, options.filters) : not_ground(cloud, options.area, options.filters);
     grid = grid_of(*obstacles, options.area, options.filters.cell_voxels);
     if (i > 0 || options.repeat == 1) {
       matching.push_back(match_ms);
@@ -81,15 +83,16 @@ nlohmann::json measure(const Options& options, const fs::path& frame, const std:
   }
   const std::string name = "peer_" + matcher + "_" + ground + ".png";
   if (!cv::imwrite((frame / name).string(), grid)) throw std::runtime_error((frame / name).string() + ": cannot be written");
-  return {{"frame", frame.string()}, {"matcher", matcher},    {"ground", ground}, {"match_ms", median(matching)}, {"ground_ms", median(rest)},
-          {"voxels", points},        {"file", name}};
+  return {{"frame", frame.string()},   {"matcher", matcher}, {"ground", ground}, {"match_ms", median(matching)},
+          {"ground_ms", median(rest)}, {"voxels", points},   {"file", name}};
 }
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("FRAME", options.frames, "folders of frames of a dump; the grids are written there")->required();
   app.add_option("--matcher", options.matchers)->check(CLI::IsMember({"StereoBM", "StereoSGBM"}))->capture_default_str();
   app.add_option("--ground", options.grounds)->check(CLI::IsMember({"plane", "morphological"}))->capture_default_str();
-  app.add_option("--ndisp", options.disparities, "disparities searched")->capture_default_str();
+  app.add_option("--ndisp", options.search.disparities, "disparities searched")->capture_default_str();
+  app.add_option("--speckle", options.search.speckle, "largest area refused as a speckle [pixel]")->capture_default_str();
   app.add_option("--repeat", options.repeat, "rounds; times are medians, without the first")->check(CLI::PositiveNumber);
   app.add_option("--height", options.mounting.height, "of the camera [m]")->capture_default_str();
   app.add_option("--pitch", options.mounting.pitch, "positive looking down [rad]")->capture_default_str();

@@ -7,8 +7,8 @@
 
 namespace peers {
 namespace {
-cv::Mat block_matching(int disparities, const cv::Mat& left, const cv::Mat& right) {
-  const auto matcher = cv::StereoBM::create(disparities, 11);
+cv::Mat block_matching(const Search& search, const cv::Mat& left, const cv::Mat& right) {
+  const auto matcher = cv::StereoBM::create(search.disparities, 11);
   matcher->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);
   matcher->setPreFilterCap(31);
   matcher->setTextureThreshold(10);
@@ -17,19 +17,20 @@ cv::Mat block_matching(int disparities, const cv::Mat& left, const cv::Mat& righ
   cv::Mat disparity;
   matcher->compute(left, right, disparity);
   // Its own filter counts in 1/16 px, and would take away whatever is slanted.
-  cv::filterSpeckles(disparity, -16, 100, 16);
+  cv::filterSpeckles(disparity, -16, search.speckle, 16);
   return disparity;
 }
 
-cv::Mat semi_global(int disparities, const cv::Mat& left, const cv::Mat& right) {
+cv::Mat semi_global(const Search& search, const cv::Mat& left, const cv::Mat& right) {
   cv::Mat disparity;
-  cv::StereoSGBM::create(0, disparities, 5, 200, 800, 1, 63, 10, 100, 1, cv::StereoSGBM::MODE_SGBM_3WAY)->compute(left, right, disparity);
+  cv::StereoSGBM::create(0, search.disparities, 5, 200, 800, 1, 63, 10, search.speckle, 1, cv::StereoSGBM::MODE_SGBM_3WAY)
+      ->compute(left, right, disparity);
   return disparity;
 }
 }  // namespace
 
-cv::Mat match(const std::string& matcher, int disparities, const cv::Mat& left, const cv::Mat& right) {
-  return matcher == "StereoBM" ? block_matching(disparities, left, right) : semi_global(disparities, left, right);
+cv::Mat match(const std::string& matcher, const Search& search, const cv::Mat& left, const cv::Mat& right) {
+  return matcher == "StereoBM" ? block_matching(search, left, right) : semi_global(search, left, right);
 }
 
 Cloud::Ptr point_cloud(const cv::Mat& disparity, const Camera& camera, const Mounting& mounting, const Area& area) {

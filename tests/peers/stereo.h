@@ -22,8 +22,13 @@ struct Area {
   float range = 20, width = 16, cell = 0.5F, least = 0.4F, most = 2.2F;
 };
 
-/// Disparities in 1/16 px, 16 bit; what is not above 0 is none. `matcher`: StereoBM or StereoSGBM, with the settings of the bench.
-cv::Mat match(const std::string& matcher, int disparities, const cv::Mat& left, const cv::Mat& right);
+/// What is told to OpenCV's matchers; all else is as in the bench.
+struct Search {
+  int disparities = 128, speckle = 100;  ///< pixels: what is searched, and the largest area that is refused as a speckle
+};
+
+/// Disparities in 1/16 px, 16 bit; what is not above 0 is none. `matcher`: StereoBM or StereoSGBM.
+cv::Mat match(const std::string& matcher, const Search& search, const cv::Mat& left, const cv::Mat& right);
 
 /// Points in the rover frame (x ahead, y left, z above the ground that the mounting tells), cut to the area and to 1 m below the ground.
 Cloud::Ptr point_cloud(const cv::Mat& disparity, const Camera& camera, const Mounting& mounting, const Area& area);

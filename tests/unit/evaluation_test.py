@@ -1,0 +1,113 @@
+#!/usr/bin/python3
+# evaluation_test.py: the arithmetic of scripts/evaluate: cells compared, alarms dated, results gone on from.
+# SPDX-License-Identifier: Apache-2.0
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
+try:
+    import numpy as np
+    from evaluation import approach, map_pictures, peer_maps, recorded
+    from evaluation.daemon import Daemon
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+
+def cells(*marked, shape=(6, 6)):
+    mask = np.zeros(shape, bool)
+    for cell in marked:
+        mask[cell] = True
+    return mask
+
+
+EVERYWHERE = np.ones((6, 6), bool)
+
+
+class Comparison(unittest.TestCase):
+    def test_a_cell_beside_the_true_one_is_right_and_one_two_off_is_wrong(self):
+        beside = recorded.shares(recorded.compare_cells(cells((2, 3)), cells((2, 2)), EVERYWHERE))
+        self.assertEqual((beside["precision"], beside["recall"]), (1, 1))
+        far = recorded.compare_cells(cells((2, 4)), cells((2, 2)), EVERYWHERE)
+        self.assertEqual((far["hit"], far["wrong"], far["met"]), (0, 1, 0))
+
+    def test_what_the_truth_has_not_looked_at_is_not_judged(self):
+        counts = recorded.compare_cells(cells((5, 5)), cells((0, 0)), EVERYWHERE & ~cells((5, 5)))
+        self.assertEqual((counts["hit"], counts["wrong"]), (0, 0))
+
+    def test_a_cell_may_be_right_that_need_not_be_found(self):
+        counts = recorded.compare_cells(cells((5, 5)), cells((0, 0)), EVERYWHERE, cells((0, 0), (5, 4)))
+        self.assertEqual((counts["hit"], counts["wrong"], counts["true"]), (1, 0, 1))
+
+    def test_frames_are_pooled_before_shares_are_taken(self):
+        truth = cells((2, 2)), EVERYWHERE, cells((2, 2))
+        looks = [{"truth": truth, "grids": {"ours": cells((2, 2))}}, {"truth": truth, "grids": {"ours": cells((5, 5), (5, 4), (0, 5))}}]
+        self.assertEqual(peer_maps.pooled(looks, "ours")["precision"], 0.25)
+
+    def test_a_missed_cell_a_wrong_and_a_right_one_have_their_colours(self):
+        picture = map_pictures.judged(cells((0, 0), (5, 5)), cells((0, 1), (3, 3)), EVERYWHERE, cells((0, 1), (3, 3)))
+        self.assertEqual([tuple(picture[c]) for c in ((0, 0), (5, 5), (3, 3), (2, 0))],
+                         [map_pictures.RIGHT, map_pictures.WRONG, map_pictures.MISSED, map_pictures.OBSERVED])
+
+
+class Approach(unittest.TestCase):
+    camera = {"f": 500.0, "cx": 320.0}
+
+    def grid(self, ahead, right):
+        return approach.GRID.mask(np.array([right]), np.array([ahead]))
+
+    def test_range_is_of_the_nearest_cell_among_the_columns(self):
+        both = self.grid(2.05, 0.0) | self.grid(1.45, 0.02)
+        self.assertAlmostEqual(approach.box_range(both, (310, 330), self.camera), 1.45)
+
+    def test_what_stands_beside_the_columns_has_no_range(self):
+        self.assertIsNone(approach.box_range(self.grid(1.05, 0.8), (310, 330), self.camera))
+
+    def test_alarm_is_for_what_is_near_and_in_the_way(self):
+        self.assertTrue(approach.alarmed(self.grid(0.75, 0.1)))
+        self.assertFalse(approach.alarmed(self.grid(0.85, 0.1)))
+        self.assertFalse(approach.alarmed(self.grid(0.75, 0.6)))
+
+    def test_lateness_is_of_the_alarm_that_is_the_boards(self):
+        self.assertEqual(approach.lateness([3, 98, 99, 100, 101, 102, 103, 104], [99, 100, 101, 102]), (-1, 2, 1))
+        self.assertEqual(approach.lateness([], [99, 100]), (None, None, 0))
+
+
+class Resume(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        (pathlib.Path(self.folder.name) / "vdispd").write_text("one")
+        self.daemon = Daemon(pathlib.Path(self.folder.name) / "vdispd", "nowhere")
+        self.addCleanup(self.daemon.close)
+        self.daemon.resume = pathlib.Path(self.folder.name) / "results"
+        self.runs = 0
+
+    def work(self):
+        self.runs += 1
+        return [{"edge": (1, 2), "number": np.float32(0.5)}]
+
+    def test_the_same_is_not_run_twice_and_reads_the_same(self):
+        first = self.daemon.remembered("kind", [("a", {"b": 1}, 4)], self.work)
+        self.assertEqual(self.daemon.remembered("kind", [("a", {"b": 1}, 4)], self.work), first)
+        self.assertEqual(self.runs, 1)
+
+    def test_other_settings_and_another_daemon_are_run(self):
+        self.daemon.remembered("kind", [1], self.work)
+        self.daemon.remembered("kind", [2], self.work)
+        (pathlib.Path(self.folder.name) / "vdispd").write_text("two")
+        self.daemon.remembered("kind", [2], self.work)
+        self.assertEqual(self.runs, 3)
+
+    def test_without_a_folder_nothing_is_kept(self):
+        self.daemon.resume = None
+        self.daemon.remembered("kind", [1], self.work)
+        self.daemon.remembered("kind", [1], self.work)
+        self.assertEqual(self.runs, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
