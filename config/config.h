@@ -50,6 +50,7 @@ struct Config {
   limit_section limit;
   map_section map;
   ipc_section ipc;
+  memory_section memory;
   control_section control;
   sim_section sim;
 

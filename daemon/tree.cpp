@@ -5,16 +5,19 @@
 #include "daemon/control/republish.h"
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/floor.h"
+#include "daemon/stages/fused_map.h"
 #include "daemon/stages/height.h"
 #include "daemon/stages/limit.h"
 #include "daemon/stages/map.h"
 #include "daemon/stages/map_changes.h"
 #include "daemon/stages/occupancy.h"
+#include "daemon/stages/odometry_check.h"
 #include "daemon/stages/plane_floor.h"
 #include "daemon/stages/rectify.h"
 #include "daemon/stages/show_line.h"
 #include "daemon/stages/show_obstacle.h"
 #include "daemon/stages/surfaces.h"
+#include "daemon/stages/tracks.h"
 #include "daemon/stages/vdisparity.h"
 
 namespace vdisp {
@@ -25,8 +28,8 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   const auto calibration = stereo.calibration();
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
-  driver.add_set({std::begin(input_topics), std::end(input_topics)},
-                 make_unique<Republish>(inputs, [&stereo] { return stereo.odometry(); }), {}, Need::always);
+  const auto in = driver.add_set({std::begin(input_topics), std::end(input_topics)},
+                                 make_unique<Republish>(inputs, [&stereo] { return stereo.odometry(); }), {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
   // The floor of the last frame tells the matcher where to expect this one's.
@@ -55,6 +58,13 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
                                        {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
     driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
     driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
+
+    const auto memory = driver.add("memory", make_unique<OdometryCheck>(config),
+                                   {ground[0], even_blind(in[0]), driver.last("tracks", record_spec<Tracks>())}, Need::always);
+    driver.add("tracks", make_unique<ObstacleTracks>(config), {ground[0], ground[1], over[2], over[0], floor[1], memory}, Need::always);
+    const auto fused = driver.add_set({"fused", "fused_reason"}, make_unique<FusedMap>(config),
+                                      {ground[0], ground[1], disparity, floor[1], memory}, Need::always);
+    driver.add("fused_changes", make_unique<MapComparison>(), {fused[0]}, Need::always);
 
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});

@@ -119,7 +119,9 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (!of_frame) json_->records[topic.substr(3)] = input_json(image);
   if (!image.valid()) return;
   if (const TruthScene* scene = record_of<TruthScene>(image)) json_->records["truth_scene"] = scene_json(*scene);
-  if (const MapChanges* changes = record_of<MapChanges>(image)) json_->records["map_changes"] = changes_json(*changes);
+  if (const MapChanges* changes = record_of<MapChanges>(image)) json_->records[topic] = changes_json(*changes);
+  if (const Memory* memory = record_of<Memory>(image)) json_->records[topic] = memory_json(*memory);
+  if (const Tracks* tracks = record_of<Tracks>(image)) json_->records[topic] = tracks_json(*tracks);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);
 }
 
@@ -165,7 +167,7 @@ void FrameDump::finish(const std::string& left, const std::string& right) {
 
 bool is_grid(std::string_view topic) {
   const std::string_view last = topic.substr(topic.rfind('/') + 1);  // npos + 1 is 0
-  return last == "map" || last == "occupancy" || last == "reason" || last.starts_with("map_");
+  return last == "map" || last == "occupancy" || last == "reason" || last == "fused" || last == "fused_reason" || last.starts_with("map_");
 }
 
 std::string frame_name(uint64_t number) {

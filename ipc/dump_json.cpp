@@ -154,6 +154,34 @@ ordered_json input_json(const Image& image) {
 
 ordered_json changes_json(const MapChanges& changes) { return {{"generation", changes.generation}, {"count", changes.count}}; }
 
+ordered_json memory_json(const Memory& memory) {
+  return {
+      {"state", name(memory.state)}, {"cause", name(memory.cause)}, {"forgotten", memory.forgotten}, {"x", number(memory.x)},
+      {"y", number(memory.y)},       {"yaw", number(memory.yaw)},   {"lag_s", number(memory.lag_s)}, {"since_s", number(memory.since_s)}};
+}
+
+ordered_json tracks_json(const Tracks& tracks) {
+  ordered_json json{{"frame", tracks.frame}, {"tracks", ordered_json::array()}};
+  for (uint32_t i = 0; i < std::min(tracks.count, Tracks::capacity); ++i) {
+    const Track& t = tracks.tracks[i];
+    json["tracks"].push_back({{"id", t.id},
+                              {"moving", (t.flags & Track::moving) != 0},
+                              {"seen", (t.flags & Track::seen) != 0},
+                              {"cut", (t.flags & Track::cut) != 0},
+                              {"x", number(t.x)},
+                              {"y", number(t.y)},
+                              {"speed_x", number(t.speed_x)},
+                              {"speed_y", number(t.speed_y)},
+                              {"speed_deviation", number(t.speed_deviation)},
+                              {"size_x", number(t.size_x)},
+                              {"size_y", number(t.size_y)},
+                              {"height", number(t.height)},
+                              {"age_s", number(t.age_s)},
+                              {"unseen_s", number(t.unseen_s)}});
+  }
+  return json;
+}
+
 ordered_json camera_json(const CameraGeometry& camera) {
   return {{"f", number(camera.f)},
           {"cx", number(camera.cx)},
@@ -171,6 +199,7 @@ ordered_json grid_json(const GridGeometry& grid) {
           {"view_left", number(grid.view_left)},
           {"view_right", number(grid.view_right)},
           {"min_count", grid.min_count},
+          {"frame", grid.frame},
           {"pose", {number(grid.pose_x), number(grid.pose_y), number(grid.pose_yaw)}}};
 }
 

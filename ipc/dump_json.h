@@ -17,6 +17,8 @@ nlohmann::ordered_json input_json(const Image& image);
 nlohmann::ordered_json scene_json(const TruthScene& scene);
 /// `map_changes`. The cells are not told: `occupancy` of the same frame is there.
 nlohmann::ordered_json changes_json(const MapChanges& changes);
+nlohmann::ordered_json memory_json(const Memory& memory);
+nlohmann::ordered_json tracks_json(const Tracks& tracks);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);
 nlohmann::ordered_json grid_json(const GridGeometry& grid);
 

@@ -56,6 +56,38 @@ std::string_view describe(Reason reason) {
   return "a reason this version does not know";
 }
 
+std::string_view name(MemoryState state) { return state == MemoryState::fused ? "fused" : "frame_only"; }
+
+std::string_view name(MemoryCause cause) {
+  switch (cause) {
+    case MemoryCause::none: return "none";
+    case MemoryCause::no_odometry: return "no_odometry";
+    case MemoryCause::late: return "late";
+    case MemoryCause::jump: return "jump";
+    case MemoryCause::anew: return "anew";
+    case MemoryCause::backwards: return "backwards";
+    case MemoryCause::contradicted: return "contradicted";
+    case MemoryCause::pause: return "pause";
+    case MemoryCause::count: break;
+  }
+  return "unknown";
+}
+
+std::string_view describe(MemoryCause cause) {
+  switch (cause) {
+    case MemoryCause::none: return "none";
+    case MemoryCause::no_odometry: return "no odometry";
+    case MemoryCause::late: return "odometry older than [Memory] maxLag";
+    case MemoryCause::jump: return "odometry moved faster than [control] maxSpeed or maxTurn";
+    case MemoryCause::anew: return "odometry began anew elsewhere";
+    case MemoryCause::backwards: return "time ran backwards";
+    case MemoryCause::contradicted: return "all that is tracked moves as one, so odometry does not tell how the rover moves";
+    case MemoryCause::pause: return "no odometry for more than a second";
+    case MemoryCause::count: break;
+  }
+  return "unknown";
+}
+
 std::string_view name(Refusal refusal) {
   switch (refusal) {
     case Refusal::none: return "none";
@@ -133,6 +165,9 @@ std::string_view name(CellReason why) {
     case CellReason::left_right: return "left/right";
     case CellReason::speckle: return "speckle";
     case CellReason::rejected: return "rejected";
+    case CellReason::remembered_floor: return "remembered floor";
+    case CellReason::remembered_obstacle: return "remembered obstacle";
+    case CellReason::remembered_drop_off: return "remembered drop-off";
   }
   return "unknown";
 }
@@ -153,6 +188,9 @@ std::string_view describe(CellReason why) {
     case CellReason::left_right: return "its matches in the right view point elsewhere";
     case CellReason::speckle: return "its disparities are parts of too small areas";
     case CellReason::rejected: return "its pixels were refused otherwise";
+    case CellReason::remembered_floor: return "floor was seen there, and nothing since";
+    case CellReason::remembered_obstacle: return "something stood there, and no ray has passed since";
+    case CellReason::remembered_drop_off: return "the ground ended there when it was last seen";
   }
   return "a reason this version does not know";
 }

@@ -51,10 +51,13 @@ enum class CellReason : uint8_t {
   no_texture,
   not_unique,
   left_right,
-  speckle,   ///< unknown: why its pixels have no disparity
-  rejected,  ///< unknown: refused otherwise
+  speckle,              ///< unknown: why its pixels have no disparity
+  rejected,             ///< unknown: refused otherwise
+  remembered_floor,     ///< `fused_reason`: floor was seen, and nothing since
+  remembered_obstacle,  ///< something stood there, and no ray has passed since
+  remembered_drop_off,  ///< the ground ended there
 };
-inline constexpr size_t cell_reasons = 14;
+inline constexpr size_t cell_reasons = 17;
 
 /// What a pixel is, by its height over the local floor; pixels of stage `surface`.
 enum class Surface : uint8_t {
@@ -134,16 +137,18 @@ struct CameraGeometry {
   uint32_t unused[3];
 };
 
-/// A grid on the ground. Row 0 is farthest; a point (x right, z ahead) lies in row origin_row - 1 - floor(z / cell) and
-/// column floor(x / cell + origin_column).
+/// A grid on the ground. Row 0 is farthest; a point (x right, z ahead, from the grid's origin along its axes) lies in row
+/// origin_row - 1 - floor(z / cell) and column floor(x / cell + origin_column).
 struct GridGeometry {
   float cell;                       ///< m
-  float origin_row, origin_column;  ///< cells, where the camera stands
-  float view_left, view_right;      ///< x / z of the left and right border of the view
+  float origin_row, origin_column;  ///< cells, where the origin is: the camera, or the odometry's start, which may lie far outside
+  float view_left, view_right;      ///< x / z of the left and right border of the view; both 0: not told
   uint32_t min_count;               ///< a cell with this count or more is an obstacle
-  uint32_t frame;                   ///< 0: the camera's horizontal frame h
-  float pose_x, pose_y, pose_yaw;   ///< of the camera in the rover frame r (m, m, rad)
+  uint32_t frame;                   ///< what the axes are those of: grid_of_camera or grid_of_odometry
+  float pose_x, pose_y, pose_yaw;   ///< of origin and axes in the rover frame r, at the moment of exposure (m, m, rad)
 };
+inline constexpr uint32_t grid_of_camera = 0;    ///< the camera's horizontal frame h
+inline constexpr uint32_t grid_of_odometry = 1;  ///< z along the odometry's x, x against its y
 
 /// Never copied, no pointers inside; rows follow the header in the same block.
 struct alignas(64) Image {

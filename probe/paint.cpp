@@ -119,7 +119,10 @@ Colour map_colour(const GridGeometry& grid, int16_t count, bool seen) {
 
 void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell) {
   const double px = cell / static_cast<double>(grid.cell);
-  const double x0 = static_cast<double>(grid.origin_column) * cell, y0 = static_cast<double>(grid.origin_row) * cell;
+  const bool turned = grid.frame == grid_of_odometry;
+  const Place middle = turned ? rover_of(grid) : Place{0, 0};
+  const double x0 = static_cast<double>(grid.origin_column) * cell + middle.x * px,
+               y0 = static_cast<double>(grid.origin_row) * cell - middle.z * px;
   const double reach = rows * static_cast<double>(grid.cell), step = reach > 12 ? (reach > 60 ? 20 : 5) : 1;
   for (double r = step; r < reach * 1.3; r += step) {
     for (double angle = 0; angle < M_PI; angle += 0.6 / (r * px)) {
@@ -132,8 +135,13 @@ void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell)
     const int x = std::min(static_cast<int>(x0 + r * px * std::sin(side)) + 6, picture.width() - Picture::text_width(label) - 2);
     picture.text(x, static_cast<int>(y0 - r * px * std::cos(side)) - 4, label, colours::text);
   }
+  if (turned) {
+    // The way the rover heads.
+    const double yaw = -static_cast<double>(grid.pose_yaw);
+    picture.line(x0, y0, x0 - std::sin(yaw) * px, y0 - std::cos(yaw) * px, colours::accent);
+  }
   for (const double slope : {static_cast<double>(grid.view_left), static_cast<double>(grid.view_right)})
-    picture.line(x0, y0, x0 + slope * reach * px, y0 - reach * px, colours::accent);
+    if (!turned) picture.line(x0, y0, x0 + slope * reach * px, y0 - reach * px, colours::accent);
   for (int i = 0; i < 12; ++i)
     picture.fill({static_cast<int>(x0) - i / 2, static_cast<int>(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
 }
@@ -206,7 +214,10 @@ Colour reason_colour(uint8_t cell_reason) {
                                                     {112, 66, 44},
                                                     {84, 86, 62},
                                                     {168, 146, 118},
-                                                    {82, 60, 76}}};
+                                                    {82, 60, 76},
+                                                    {38, 84, 56},
+                                                    {156, 52, 40},
+                                                    {142, 44, 134}}};
   return cell_reason < known.size() ? known[cell_reason] : unknown_code;
 }
 

@@ -188,6 +188,32 @@ std::vector<std::string> changes_text(const MapChanges& changes) {
   return lines;
 }
 
+std::vector<std::string> memory_text(const Memory& memory) {
+  const bool fused = memory.state == MemoryState::fused;
+  std::vector<std::string> lines{"memory      " +
+                                 (fused ? "since " + or_dash("%.1f s", memory.since_s) : std::string("none: the map is of the frame"))};
+  if (memory.cause != MemoryCause::none) lines.push_back((fused ? "forgotten   " : "because     ") + std::string(describe(memory.cause)));
+  lines.push_back(format("forgotten   %u times", memory.forgotten));
+  lines.push_back("x           " + or_dash("%+.3f m", memory.x));
+  lines.push_back("y           " + or_dash("%+.3f m", memory.y));
+  lines.push_back("yaw         " + or_dash("%+.4f rad", memory.yaw));
+  lines.push_back("lag         " + or_dash("%.3f s", memory.lag_s));
+  return lines;
+}
+
+std::vector<std::string> tracks_text(const Tracks& tracks) {
+  const uint32_t count = std::min(tracks.count, Tracks::capacity);
+  std::vector<std::string> lines{format("%u obstacles in the %s frame", count, tracks.frame == grid_of_odometry ? "odometry" : "rover's")};
+  for (uint32_t i = 0; i < count; ++i) {
+    const Track& t = tracks.tracks[i];
+    lines.push_back(format("%4u  x %+.2f y %+.2f m  %.2f x %.2f x %.2f m  %+.2f %+.2f m/s%s  %.1f s", t.id, static_cast<double>(t.x),
+                           static_cast<double>(t.y), static_cast<double>(t.size_x), static_cast<double>(t.size_y),
+                           static_cast<double>(t.height), static_cast<double>(t.speed_x), static_cast<double>(t.speed_y),
+                           t.flags & Track::moving ? " moving" : "", static_cast<double>(t.age_s)));
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string spec_words(const ImageSpec& spec) {
@@ -211,6 +237,8 @@ std::vector<std::string> record_text(const Image& image) {
   if (const DriveOrder* drive = record_of<DriveOrder>(image)) return drive_text(*drive);
   if (const Events* events = record_of<Events>(image)) return events_text(*events);
   if (const MapChanges* changes = record_of<MapChanges>(image)) return changes_text(*changes);
+  if (const Memory* memory = record_of<Memory>(image)) return memory_text(*memory);
+  if (const Tracks* tracks = record_of<Tracks>(image)) return tracks_text(*tracks);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
 }
 
@@ -221,6 +249,11 @@ bool usable(const GridGeometry& grid) {
   const auto within = [](float value, float limit) { return std::abs(value) <= limit; };  // false for NaN
   return grid.cell > 0 && within(grid.cell, 1e3f) && within(grid.origin_row, 1e5f) && within(grid.origin_column, 1e5f) &&
          within(grid.view_left, 1e3f) && within(grid.view_right, 1e3f);
+}
+
+Place rover_of(const GridGeometry& grid) {
+  const double x = static_cast<double>(grid.pose_x), y = static_cast<double>(grid.pose_y), yaw = static_cast<double>(grid.pose_yaw);
+  return {-(std::sin(yaw) * x - std::cos(yaw) * y), -(std::cos(yaw) * x + std::sin(yaw) * y)};
 }
 
 Place place_of(const GridGeometry& grid, double column, double row) {

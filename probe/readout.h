@@ -28,6 +28,8 @@ struct Place {
 };
 /// False for geometry that no map can have: nothing is drawn by it.
 bool usable(const GridGeometry& grid);
+/// The rover in a grid of the odometry frame.
+Place rover_of(const GridGeometry& grid);
 /// Centre of a cell.
 Place place_of(const GridGeometry& grid, double column, double row);
 /// The obstacle cell nearest to the camera, if any. The image is a valid map.

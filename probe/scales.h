@@ -26,7 +26,7 @@ inline constexpr int height_scale_from = -500, height_scale_to = 1500;  ///< mm 
 
 /// Stages of gray8 whose pixels are codes: CellReason, and Surface.
 inline std::string_view last_part(std::string_view topic) { return topic.substr(topic.rfind('/') + 1); }  // npos + 1 is 0
-inline bool is_reason(std::string_view topic) { return last_part(topic) == "reason"; }
+inline bool is_reason(std::string_view topic) { return last_part(topic) == "reason" || last_part(topic) == "fused_reason"; }
 inline bool is_surface(std::string_view topic) { return last_part(topic) == "surface"; }
 
 /// Rows of the picture that a line16 belongs to.

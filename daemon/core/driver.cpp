@@ -178,7 +178,7 @@ Outcome Driver::run(Stage& stage) noexcept {
   for (size_t i = 0; i < stage.inputs.size(); ++i) {
     const Handle input = stage.inputs[i];
     stage.in[i] = input.last < 0 ? slots_[input.topic].image : &delayed_[input.last].image->last();
-    if (!blind && input.last < 0 && !stage.in[i]->valid()) blind = stage.in[i];
+    if (!blind && input.last < 0 && !input.even_blind && !stage.in[i]->valid()) blind = stage.in[i];
   }
   for (size_t i = 0; i < stage.outputs.size(); ++i) {
     const int topic = stage.outputs[i];

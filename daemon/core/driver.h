@@ -22,7 +22,13 @@ enum class Need { on_demand, always };
 /// One topic of the tree. Where `last` is not -1 Driver::last() gave it: what the topic (known from connect() on) showed in the last frame.
 struct Handle {
   int topic = -1, last = -1;
+  bool even_blind = false;  ///< its reader runs also where it is blind
 };
+/// The same input for a reader that has an answer where it is blind (what comes in, say) and asks valid().
+constexpr Handle even_blind(Handle input) {
+  input.even_blind = true;
+  return input;
+}
 
 struct StageTiming {
   uint64_t runs = 0, invalid = 0;

@@ -32,8 +32,8 @@ class ImageProcessor {
 
   /// The formats it will write for inputs of these formats. Throws FormatError.
   virtual std::vector<ImageSpec> check(std::span<const ImageSpec> in) = 0;
-  /// Inputs are valid images of one frame; delayed ones (Driver::last) may be blind, and are older. Outputs have the header of the first
-  /// input (frame, time, flags, geometry) already.
+  /// Inputs are valid images of one frame; delayed ones (Driver::last) may be blind, and are older; those given as even_blind() may be
+  /// blind. Outputs have the header of the first input (frame, time, flags, geometry) already.
   virtual Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept = 0;
 };
 

@@ -70,11 +70,27 @@ void Edges::incoming(Incoming& kind, const char* what, const InputTally& tally, 
   }
 }
 
+/// A rover that has no odometry is told nothing: of what came once it is.
+void Edges::remember(const Memory& memory, const Image& image) {
+  const bool fused = memory.state == MemoryState::fused;
+  if ((fused == fused_ && memory.forgotten == forgotten_) || image.ready_ns - memory_told_ns_ < second) return;
+  if (fused != fused_ && !fused)
+    warn("memory lost at frame {}: {}; the map is of the frame alone", image.sequence, describe(memory.cause));
+  else if (fused != fused_)
+    info("memory at frame {}: the map is fused in the odometry frame", image.sequence);
+  else
+    warn("memory begun anew at frame {}: {}", image.sequence, describe(memory.cause));
+  fused_ = fused;
+  forgotten_ = memory.forgotten;
+  memory_told_ns_ = image.ready_ns;
+}
+
 void Edges::see(const Topic& topic, const Image& image) {
   if (const Odometry* odometry = record_of<Odometry>(image)) return incoming(odometry_, "odometry", odometry->tally, image);
   if (const Imu* imu = record_of<Imu>(image)) return incoming(imu_, "IMU", imu->tally, image);
   if (const DriveOrder* drive = record_of<DriveOrder>(image)) return incoming(drive_, "drive", drive->tally, image);
   if (const Events* events = record_of<Events>(image)) return incoming(event_, "event", events->tally, image);
+  if (const Memory* memory = record_of<Memory>(image); memory && image.valid()) return remember(*memory, image);
   if (topic.name == "camera/left") {
     edge(camera_, "frames", fault_(), image);
     if (!told_near_) rows_ = image.spec.height;

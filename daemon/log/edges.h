@@ -35,6 +35,7 @@ class Edges {
   void incoming(Incoming& kind, const char* what, const InputTally& tally, const Image& image);
   void edge(Subject& subject, const char* what, std::string_view fault, const Image& image);
   void compare(const FloorModel& model, const Image& image);
+  void remember(const Memory& memory, const Image& image);
   void say_what_is_near(const FloorModel& model, const CameraGeometry& camera);
 
   const Config& config_;
@@ -44,6 +45,9 @@ class Edges {
   int rows_ = 0;  // of the images
   bool told_near_ = false;
   bool differs_ = false;
+  bool fused_ = false;  // as last told
+  uint32_t forgotten_ = 0;
+  int64_t memory_told_ns_ = INT64_MIN / 2;
   int frames_otherwise_ = 0;  // in a row that contradict differs_
 };
 

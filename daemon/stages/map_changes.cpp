@@ -5,10 +5,12 @@
 namespace vdisp {
 namespace {
 
-/// True where a cell of both grids is the same piece of ground. View and count of an obstacle do not move cells.
+/// True where a cell of both grids is the same piece of ground. View and count of an obstacle do not move cells, nor does the rover those
+/// of the odometry frame.
 bool same_place(const GridGeometry& a, const GridGeometry& b) {
+  const bool same_pose = a.pose_x == b.pose_x && a.pose_y == b.pose_y && a.pose_yaw == b.pose_yaw;
   return a.cell == b.cell && a.origin_row == b.origin_row && a.origin_column == b.origin_column && a.frame == b.frame &&
-         a.pose_x == b.pose_x && a.pose_y == b.pose_y && a.pose_yaw == b.pose_yaw;
+         (same_pose || a.frame == grid_of_odometry);
 }
 
 }  // namespace
