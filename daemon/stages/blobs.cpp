@@ -61,6 +61,8 @@ void Blobs::add_pixels(const ObstacleImages& in, const Placement& placement) noe
   const StereoView view = stereo_view(in.standing);
   const double cp = std::cos(in.floor.pitch_rad), sp = std::sin(in.floor.pitch_rad), cr = std::cos(in.floor.roll_rad),
                sr = std::sin(in.floor.roll_rad), fb = view.f * view.baseline;
+  const CameraGeometry& g = in.standing.camera;
+  const double nearest = g.min_disparity + g.disparities - 2, first_matched = g.min_disparity + g.disparities + step_;
   const double cells_per_m = 1 / static_cast<double>(in.occupancy.grid.cell), middle = columns_ / 2.0;
   for (int v = step_ / 2; v < in.standing.spec.height; v += step_) {
     const int16_t* disparities = in.standing.row<int16_t>(v);
@@ -70,9 +72,10 @@ void Blobs::add_pixels(const ObstacleImages& in, const Placement& placement) noe
       if (disparities[u] <= rejected_base || true_d <= 0) continue;
       const double z = fb / true_d, x = (u - view.cx) * z / view.f, y = (v - view.cy) * z / view.f;
       const double right = x * cr - y * sr, ahead = z * cp - (x * sr + y * cr) * sp;
-      const double row = rows_ - 1 - std::floor(ahead * cells_per_m), column = std::floor(right * cells_per_m + middle);
-      if (row < 0 || row >= rows_ || column < 0 || column >= columns_) continue;
-      const uint8_t number = labels_[static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column)];
+      const double from_near = ahead * cells_per_m, from_left = right * cells_per_m + middle;
+      if (from_near < 0 || from_near >= rows_ || from_left < 0 || from_left >= columns_) continue;
+      const int row = rows_ - 1 - static_cast<int>(from_near), column = static_cast<int>(from_left);
+      const uint8_t number = labels_[static_cast<size_t>(row * columns_ + column)];
       if (number == 0) continue;
       const OnGround at = placement.outside(right, ahead);
       Sum& sum = sums_[number];
@@ -85,8 +88,9 @@ void Blobs::add_pixels(const ObstacleImages& in, const Placement& placement) noe
       sum.least_y = first ? at.y : std::min(sum.least_y, at.y);
       sum.most_y = first ? at.y : std::max(sum.most_y, at.y);
       sum.height = std::max(sum.height, heights[u] / 1000.0);
-      // The right view ends d to the left of the left one's border.
-      sum.cut = sum.cut || u - d < 2 * step_ || u + 2 * step_ >= in.standing.spec.width;
+      // Left of that the right view has no match to search in; nearer than that nothing is matched; and the map ends somewhere.
+      sum.cut = sum.cut || u < first_matched || u + 2 * step_ >= in.standing.spec.width || d > nearest || row < 1 || column < 1 ||
+                column >= columns_ - 1;
     }
   }
 }

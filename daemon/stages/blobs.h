@@ -14,12 +14,13 @@
 
 namespace vdisp {
 
-/// What is seen of one obstacle: its visible front. The cells say which pixels belong together, the pixels where they are, finer than cells.
+/// What is seen of one obstacle: its visible front. The cells say which pixels belong together, the pixels where they are, finer than
+/// cells.
 struct Blob {
-  double x = 0, y = 0;        ///< m, mean of its pixels, in the frame of the Placement
+  double x = 0, y = 0;  ///< m, mean of its pixels, in the frame of the Placement
   double size_x = 0, size_y = 0, height = 0;
-  double deviation = 0;       ///< m, of its place from frame to frame
-  bool cut = false;           ///< reaches the border of the view: its middle is not its own
+  double deviation = 0;  ///< m, of its place from frame to frame
+  bool cut = false;      ///< reaches the border of the view or the map: its middle is not its own
 };
 
 /// The images of one frame that obstacles are made of, all of one size but for the grid.
@@ -46,7 +47,7 @@ class Blobs {
   void add_pixels(const ObstacleImages& in, const Placement& placement) noexcept;
 
   int rows_ = 0, columns_ = 0;
-  int step_ = 1;                // every so many-th pixel of every so many-th row is looked at
+  int step_ = 1;                 // every so many-th pixel of every so many-th row is looked at
   std::vector<uint8_t> labels_;  // of the cells: 0 none, else the number of the blob from 1
   std::vector<int> open_;        // cells whose neighbours are still to be looked at
   std::array<Sum, most + 1> sums_;

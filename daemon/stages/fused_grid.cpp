@@ -49,7 +49,8 @@ void FusedGrid::clear() noexcept {
 }
 
 void FusedGrid::follow(const OnGround& rover) noexcept {
-  const int ahead = static_cast<int>(std::floor(rover.x / cell_)) - side_ / 2, right = static_cast<int>(std::floor(-rover.y / cell_)) - side_ / 2;
+  const int ahead = static_cast<int>(std::floor(rover.x / cell_)) - side_ / 2,
+            right = static_cast<int>(std::floor(-rover.y / cell_)) - side_ / 2;
   if (std::abs(ahead - ahead_) > slack || std::abs(right - right_) > slack) move_to(ahead, right);
 }
 

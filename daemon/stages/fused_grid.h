@@ -15,9 +15,9 @@ namespace vdisp {
 /// x ("ahead") and against its y ("right"), floor(x / cell) and floor(-y / cell). Evidence is a logarithm of odds: above 0 for an obstacle.
 class FusedGrid {
  public:
-  static constexpr float most = 3.0f, least = -1.5f;       ///< so that what changed is believed after three frames, and two
-  static constexpr float occupied = 0.62f, free = -0.4f;   ///< evidence from which on a cell is told as such
-  static constexpr int slack = 8;                          ///< cells that the rover may be off the middle before the grid follows
+  static constexpr float most = 3.0f, least = -1.5f;      ///< so that what changed is believed after three frames, and two
+  static constexpr float occupied = 0.62f, free = -0.4f;  ///< evidence from which on a cell is told as such
+  static constexpr int slack = 8;                         ///< cells that the rover may be off the middle before the grid follows
 
   enum class Kind : uint8_t { none, obstacle, drop_off };
 
@@ -39,7 +39,9 @@ class FusedGrid {
   /// Middle of a cell.
   OnGround middle(int row, int column) const { return {(ahead_ + side_ - 0.5 - row) * cell_, -(right_ + column + 0.5) * cell_}; }
 
-  bool is_obstacle(int row, int column) const { return evidence_[index(row, column)] >= occupied && kind_[index(row, column)] == Kind::obstacle; }
+  bool is_obstacle(int row, int column) const {
+    return evidence_[index(row, column)] >= occupied && kind_[index(row, column)] == Kind::obstacle;
+  }
   bool is_free(int row, int column) const { return evidence_[index(row, column)] <= free; }
   void add(int row, int column, float evidence, Kind kind) noexcept {
     float& e = evidence_[index(row, column)];

@@ -20,7 +20,8 @@ bool out_of_reach(CellReason why) { return why == CellReason::out_of_view || why
 }  // namespace
 
 std::vector<ImageSpec> FusedMap::check(std::span<const ImageSpec> in) {
-  if (in.size() != 5) throw FormatError("takes occupancy, reason, disparity, floor model and memory, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 5)
+    throw FormatError("takes occupancy, reason, disparity, floor model and memory, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::int8, "the occupancy");
   require(in[1], Pixel::gray8, "the reason");
   require_same_size(in[0], in[1]);
@@ -34,8 +35,8 @@ std::vector<ImageSpec> FusedMap::check(std::span<const ImageSpec> in) {
   grid_.reserve(config_.memory.range > 0 ? config_.memory.range : corner, config_.map.cell);
   constexpr int widest = 4096;
   if (grid_.side() > widest)
-    throw FormatError("[Memory] range and [Map] cell make " + std::to_string(grid_.side()) + " cells a side, at most " + std::to_string(widest) +
-                      " are possible");
+    throw FormatError("[Memory] range and [Map] cell make " + std::to_string(grid_.side()) + " cells a side, at most " +
+                      std::to_string(widest) + " are possible");
   const auto side = static_cast<uint16_t>(grid_.side());
   return {{Pixel::int8, 0, side, side}, {Pixel::gray8, 0, side, side}};
 }
@@ -129,9 +130,9 @@ void FusedMap::take(const Frame& frame, const Window& area, SeenThrough& rays, s
     double ahead = frame.placement.ahead(first), right = frame.placement.right(first);
     const double more_ahead = -frame.placement.sine() * config_.map.cell, more_right = frame.placement.cosine() * config_.map.cell;
     for (int column = area.left; column <= area.right; ++column, ahead += more_ahead, right += more_right) {
-      const double from_row = rows_ - 1 - std::floor(ahead * cells), from_column = std::floor(right * cells + middle);
-      if (from_row < 0 || from_row >= rows_ || from_column < 0 || from_column >= columns_) continue;
-      const int r = static_cast<int>(from_row), c = static_cast<int>(from_column);
+      const double from_near = ahead * cells, from_left = right * cells + middle;
+      if (from_near < 0 || from_near >= rows_ || from_left < 0 || from_left >= columns_) continue;
+      const int r = rows_ - 1 - static_cast<int>(from_near), c = static_cast<int>(from_left);
       asked_[static_cast<size_t>(r * columns_ + c)] = 1;
       weigh(row, column, frame.occupancy.row<int8_t>(r)[c], CellReason{frame.reason.row<uint8_t>(r)[c]}, {right, ahead}, rays, out);
     }

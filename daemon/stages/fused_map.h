@@ -38,14 +38,15 @@ class FusedMap final : public ImageProcessor {
   Window window(const Frame& frame) const noexcept;
   void fuse(const Frame& frame, SeenThrough& rays, std::span<Image* const> out) noexcept;
   void take(const Frame& frame, const Window& window, SeenThrough& rays, std::span<Image* const> out) noexcept;
-  void weigh(int row, int column, int8_t seen, CellReason why, const OnGround& in_h, const SeenThrough& rays, std::span<Image* const> out) noexcept;
+  void weigh(int row, int column, int8_t seen, CellReason why, const OnGround& in_h, const SeenThrough& rays,
+             std::span<Image* const> out) noexcept;
   void add_missed(const Frame& frame, std::span<Image* const> out) noexcept;
   void add_obstacle(int row, int column, int8_t seen, CellReason why, std::span<Image* const> out) noexcept;
 
   const Config& config_;
   FusedGrid grid_;
-  int rows_ = 0, columns_ = 0;   // of the frame's grid
-  std::vector<uint8_t> asked_;   // of the frame's cells: some middle lies in them
+  int rows_ = 0, columns_ = 0;  // of the frame's grid
+  std::vector<uint8_t> asked_;  // of the frame's cells: some middle lies in them
   uint32_t forgotten_ = 0;
   int64_t last_ns_ = 0;
 };

@@ -7,12 +7,12 @@
 namespace vdisp {
 namespace {
 
-constexpr double longest_pause_s = 1;                             // the rover may have been carried meanwhile
+constexpr double longest_pause_s = 1;                                // the rover may have been carried meanwhile
 constexpr double grace_m = 0.02, grace_rad = 0.035, grace_s = 0.01;  // as at the control socket: wheels have a resolution
-constexpr double mature_s = 0.7;                                  // age of a track whose speed counts
-constexpr int least_tracks = 3;                                   // three points: six speeds against three of a rigid motion
-constexpr double least_speed = 0.25;                              // m/s, root mean square
-constexpr double least_share = 0.65;                              // of the speeds, that one rigid motion explains
+constexpr double mature_s = 0.7;                                     // age of a track whose speed counts
+constexpr int least_tracks = 3;                                      // three points: six speeds against three of a rigid motion
+constexpr double least_speed = 0.25;                                 // m/s, root mean square
+constexpr double least_share = 0.65;                                 // of the speeds, that one rigid motion explains
 constexpr int64_t contradiction_ns = 500'000'000, trust_again_ns = 1'000'000'000;
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -48,7 +48,8 @@ bool move_as_one(const Tracks& tracks) {
 }  // namespace
 
 std::vector<ImageSpec> OdometryCheck::check(std::span<const ImageSpec> in) {
-  if (in.size() != 3) throw FormatError("takes an image of the frame, odometry and tracks, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 3)
+    throw FormatError("takes an image of the frame, odometry and tracks, was given " + std::to_string(in.size()) + " images");
   if (in[1] != record_spec<Odometry>()) throw FormatError("the second input is no odometry");
   if (in[2] != record_spec<Tracks>()) throw FormatError("the third input is no tracks");
   return {record_spec<Memory>()};

@@ -22,9 +22,7 @@ class Placement {
         x_(x + std::cos(yaw) * mounting.x - std::sin(yaw) * mounting.y),
         y_(y + std::sin(yaw) * mounting.x + std::cos(yaw) * mounting.y) {}
 
-  OnGround outside(double right, double ahead) const {
-    return {x_ + cos_ * ahead + sin_ * right, y_ + sin_ * ahead - cos_ * right};
-  }
+  OnGround outside(double right, double ahead) const { return {x_ + cos_ * ahead + sin_ * right, y_ + sin_ * ahead - cos_ * right}; }
   double right(const OnGround& p) const { return sin_ * (p.x - x_) - cos_ * (p.y - y_); }
   double ahead(const OnGround& p) const { return cos_ * (p.x - x_) + sin_ * (p.y - y_); }
   double cosine() const { return cos_; }

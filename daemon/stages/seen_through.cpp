@@ -7,9 +7,9 @@
 namespace vdisp {
 namespace {
 
-constexpr double heights[] = {0.3, 0.6, 0.9};  // of max_height: whatever is an obstacle reaches higher
-constexpr double across[] = {-0.3, 0, 0.3};    // of a cell
-constexpr int least_farther = 5;               // of nine
+constexpr double heights[] = {0.3, 0.6, 0.9};           // of max_height: whatever is an obstacle reaches higher
+constexpr double across[] = {-0.3, 0, 0.3};             // of a cell
+constexpr int least_farther = 3;                        // of nine: one row of them
 constexpr double farther_px = 1, farther_share = 0.03;  // as Occupancy tells what is as deep as a cell
 
 }  // namespace

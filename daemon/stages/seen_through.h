@@ -19,7 +19,7 @@ class SeenThrough {
   /// What is remembered so near hides what lies behind it, although it cannot be matched itself: whatever is "seen" there is not believed.
   void hide_behind(double right, double ahead) noexcept;
   bool hidden(double right, double ahead) const noexcept;
-  /// Through the cell there, from just over the floor to max_height, most rays end farther off, and none in it or nearer.
+  /// Of the rays through the cell there, from just over the floor to max_height, a third or more end farther off, and none in it or nearer.
   bool passed(double right, double ahead) const noexcept;
 
  private:

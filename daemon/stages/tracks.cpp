@@ -9,15 +9,16 @@
 namespace vdisp {
 namespace {
 
-constexpr double acceleration = 0.5;     // m/s^2, standard deviation of what obstacles do
-constexpr double first_speed = 1.5;      // m/s, standard deviation of the speed of what is new
-constexpr double nearest = 0.25;         // m: within this a blob continues a track in any case
-constexpr double farthest = 1.0;         // m
-constexpr double deviations = 3;         // of the uncertainty
-constexpr double unseen_s = 1;           // as long a track goes on without being seen
-constexpr double cut_deviation = 0.3;    // m, of the middle of what the border of the view cuts
+constexpr double restlessness = 0.2;   // m/s in a second, standard deviation of how speeds change
+constexpr double first_speed = 1.5;    // m/s, standard deviation of the speed of what is new
+constexpr double nearest = 0.25;       // m: within this a blob continues a track in any case
+constexpr double farthest = 1.0;       // m
+constexpr double deviations = 3;       // of the uncertainty
+constexpr double unseen_s = 1;         // as long a track goes on without being seen
+constexpr double cut_deviation = 0.3;  // m, of the middle of what the border of the view cuts
 constexpr int least_sights = 3;
-constexpr double least_moving = 0.2;     // m/s
+constexpr double sure = 2.5;          // deviations of the speed from 0 of what moves
+constexpr double least_moving = 0.2;  // m/s
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -25,7 +26,8 @@ double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 std::vector<ImageSpec> ObstacleTracks::check(std::span<const ImageSpec> in) {
   if (in.size() != 6)
-    throw FormatError("takes occupancy, reason, standing, height, floor model and memory, was given " + std::to_string(in.size()) + " images");
+    throw FormatError("takes occupancy, reason, standing, height, floor model and memory, was given " + std::to_string(in.size()) +
+                      " images");
   require(in[0], Pixel::int8, "the occupancy");
   require(in[1], Pixel::gray8, "the reason");
   require_same_size(in[0], in[1]);
@@ -41,28 +43,30 @@ std::vector<ImageSpec> ObstacleTracks::check(std::span<const ImageSpec> in) {
 }
 
 void ObstacleTracks::predict(double t) noexcept {
-  const double jerk = acceleration * acceleration * t;  // of white acceleration, as variance
+  const double change = restlessness * restlessness * t;  // of the speed, as variance
   for (Followed& f : followed_) {
     f.x += f.speed_x * t;
     f.y += f.speed_y * t;
-    f.place_variance += t * (2 * f.common + t * f.speed_variance) + jerk * t * t / 3;
-    f.common += t * f.speed_variance + jerk * t / 2;
-    f.speed_variance += jerk;
+    f.place_variance += t * (2 * f.common + t * f.speed_variance) + change * t * t / 3;
+    f.common += t * f.speed_variance + change * t / 2;
+    f.speed_variance += change;
     f.seen = false;
   }
 }
 
 void ObstacleTracks::update(Followed& f, const Blob& blob, int64_t now_ns) noexcept {
-  const double deviation = blob.cut || f.last.cut ? cut_deviation : blob.deviation;
-  const double all = f.place_variance + deviation * deviation, of_place = f.place_variance / all, of_speed = f.common / all;
+  // The middle of what is cut moves as the view does: it tells no speed.
+  const bool cut = blob.cut || f.last.cut;
+  const double variance = cut ? cut_deviation * cut_deviation : blob.deviation * blob.deviation, all = f.place_variance + variance;
+  const double of_place = f.place_variance / all, of_speed = cut ? 0 : f.common / all, rest = 1 - of_place;
   const double dx = blob.x - f.x, dy = blob.y - f.y;
   f.x += of_place * dx;
   f.y += of_place * dy;
   f.speed_x += of_speed * dx;
   f.speed_y += of_speed * dy;
   f.speed_variance -= of_speed * f.common;
-  f.common -= of_place * f.common;
-  f.place_variance -= of_place * f.place_variance;
+  f.common *= rest;
+  f.place_variance = rest * f.place_variance;
   f.last = blob;
   f.seen = true;
   f.seen_ns = now_ns;
@@ -101,7 +105,7 @@ void ObstacleTracks::tell(Tracks& tracks, int64_t now_ns) const noexcept {
   for (const Followed& f : followed_) {
     if (f.sights < least_sights) continue;
     const double speed = std::hypot(f.speed_x, f.speed_y), deviation = std::sqrt(f.speed_variance);
-    const bool moves = speed > std::max(least_moving, deviations * deviation);
+    const bool moves = speed > std::max(least_moving, sure * deviation);
     Track& t = tracks.tracks[tracks.count++];
     t.id = f.id;
     t.flags = (moves ? Track::moving : 0) | (f.seen ? Track::seen : 0) | (f.last.cut ? Track::cut : 0);

@@ -14,11 +14,12 @@ using namespace planner;
 using namespace vdisp;
 
 static const char usage[] =
-    "usage: vdisp-incremental-planner X Y [--unknown SPEED] [--radius M] [--buffer M] [--frames N] [--json] [--compare]\n"
+    "usage: vdisp-incremental-planner X Y [--unknown SPEED] [--radius M] [--buffer M] [--fused] [--frames N] [--json] [--compare]\n"
     "  X Y              the goal, m ahead of the rover and to its left (negative: right)\n"
     "  --unknown SPEED  how fast through cells nobody has seen, 0 (never) to 1 (as free ground); 0.5\n"
     "  --radius M       of the rover: no nearer than this to obstacles, 0 to 5 m; 0\n"
     "  --buffer M       and slower this much farther from them, 0 to 5 m; 0.3\n"
+    "  --fused          plan in the map that remembers (`fused`), not in the frame's\n"
     "  --frames N       N frames, blind ones counted, then end; 69 where no daemon comes within 5 s. Without it: for ever\n"
     "  --json           one line of JSON for each frame, instead of a picture twice a second\n"
     "  --compare        also plan anew in each frame, and compare\n";
@@ -27,7 +28,7 @@ struct Options {
   Point goal;
   Policy policy;
   long frames = -1;
-  bool json = false, compare = false;
+  bool json = false, compare = false, fused = false;
 };
 
 template <class T>
@@ -42,8 +43,8 @@ static bool parse(int argc, char** argv, Options& options) {
   for (int i = 3; i < argc; ++i) {
     const std::string word = argv[i];
     const char* value = i + 1 < argc ? argv[i + 1] : "";
-    if (word == "--json" || word == "--compare")
-      (word == "--json" ? options.json : options.compare) = true;
+    if (word == "--json" || word == "--compare" || word == "--fused")
+      (word == "--json" ? options.json : word == "--fused" ? options.fused : options.compare) = true;
     else if (word == "--unknown" && number(value, 0.0, 1.0, options.policy.unknown_speed))
       ++i;
     else if (word == "--radius" && number(value, 0.0, 5.0, options.policy.radius_m))
@@ -66,6 +67,7 @@ static const char* word(Read read) {
 static void print_json(const Image& image, const Plan& plan, const GridGeometry& grid) {
   std::printf("{\"state\": \"fresh\", \"sequence\": %llu, \"synthetic\": %s", static_cast<unsigned long long>(image.sequence),
               image.flags & flag_synthetic ? "true" : "false");
+  std::printf(", \"memory\": %s", image.flags & flag_memory ? "true" : "false");
   std::printf(", \"read\": \"%s\", \"fed\": %zu, \"forgot\": %s, \"calculated\": %zu, \"took_us\": %.1f", word(plan.read), plan.fed,
               plan.forgot ? "true" : "false", plan.calculated, plan.took_us);
   if (plan.anew_us > 0) std::printf(", \"anew_us\": %.1f, \"as_anew\": %s", plan.anew_us, plan.as_anew ? "true" : "false");
@@ -105,7 +107,7 @@ static void say_state(const Reading& reading, Client& client, bool json) {
   std::string why;
   if (reading.trust == Trust::blind) why = describe(reading.reason);
   if (reading.trust == Trust::dead && client.connection() != Connection::connected) why = client.message();
-  if (reading.trust == Trust::stale) why = reading.image ? "the map is old" : "the daemon has not made occupancy and map_changes";
+  if (reading.trust == Trust::stale) why = reading.image ? "the map is old" : "the daemon has not made the map and its changes";
   if (json) return void(std::printf("{\"state\": \"%s\", \"path\": null, \"reason\": \"%s\"}\n", state, why.c_str()));
   std::printf("%s%s%s; no way\n", state, why.empty() ? "" : ": ", why.c_str());
 }
@@ -121,7 +123,8 @@ int main(int argc, char** argv) {
   if (!parse(argc, argv, options)) return std::fputs(usage, stderr), 64;
   setvbuf(stdout, nullptr, _IOLBF, 0);
   Client client;
-  const Client::Topic topics[] = {client.subscribe("occupancy"), client.subscribe("map_changes")};
+  const Client::Topic topics[] = {client.subscribe(options.fused ? "fused" : "occupancy"),
+                                  client.subscribe(options.fused ? "fused_changes" : "map_changes")};
   Planner planner(options.goal, options.policy, options.compare);
   Trust said = Trust::fresh;
   double printed = -1e9;

@@ -17,9 +17,10 @@ double us_since(std::chrono::steady_clock::time_point start) {
 
 Plan Planner::plan(const vdisp::Image& occupancy, const vdisp::Image& changes) {
   Plan plan;
-  if (occupancy.grid.frame != 0) {
+  // Where camera or odometry frame lie in the rover's is told by the grid: both are planned in alike.
+  if (occupancy.grid.frame > vdisp::grid_of_odometry) {
     map_.forget();
-    plan.why = "the map is not in the frame of the camera, which is all that this example knows";
+    plan.why = "the map is in a frame that this example does not know";
     return plan;
   }
   plan.read = map_.follow(&occupancy, &changes);

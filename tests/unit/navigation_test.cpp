@@ -474,8 +474,8 @@ TEST_F(FollowedMapTest, a_planner_says_why_there_is_no_way) {
   EXPECT_EQ(why(), "the rover stands where it may not drive");
   grid.at<int8_t>(2, 25) = 100;
   EXPECT_EQ(why(), "the goal is no ground to drive on");
-  grid.image().grid.frame = 1;
-  EXPECT_NE(why().find("not in the frame of the camera"), std::string::npos);
+  grid.image().grid.frame = 2;
+  EXPECT_NE(why().find("in a frame that this example does not know"), std::string::npos);
   EXPECT_FALSE(planner.map().known());
   grid.image().grid.frame = 0;
   grid.fill<int8_t>([](int, int) { return int8_t{0}; });
