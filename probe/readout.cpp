@@ -32,6 +32,8 @@ std::string disparity_words(const Image& image, int column, int row) {
 
 std::string place_words(const GridGeometry& grid, int column, int row) {
   const Place place = place_of(grid, column, row);
+  if (grid.frame == grid_of_odometry)
+    return format("  odometry x %+.2f m  y %+.2f m  (cell of %.2f m)", place.z, -place.x, static_cast<double>(grid.cell));
   return format("  z %.2f m  x %+.2f m  (cell of %.2f m)", place.z, place.x, static_cast<double>(grid.cell));
 }
 

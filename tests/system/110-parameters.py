@@ -512,6 +512,22 @@ class Parameters(ProgramTest):
         told = self.files(*self.pairs(), f"image source.odometry={poses}", frames=2).json["odometry"]
         self.assertEqual((told["x"], told["y"]), (3, -2))
 
+    # [Memory]
+    def test_memory_range(self):
+        self.rises("Memory.range", [3, 6, 12], lambda d: d.picture("fused").shape[0])
+
+    def test_memory_keep(self):
+        # 14 and more: what was seen before, and not in this frame.
+        self.rises("Memory.keep", [0.3, 60], lambda d: (d.picture("fused_reason") >= 14).sum(), "sim.scene=drive", "sim.odometry=yes", "sim.rate=5", frames=30)
+
+    def test_memory_maxLag(self):
+        def memory(lag):
+            return self.accepted("0,0,0\n0,0,0\n", "control.maxAge=20", f"Memory.maxLag={lag}", "sim.width=320", "sim.height=240", pause=0.3,
+                                 topics=("left", "memory"))["memory"]
+        late = memory(0.05)
+        self.assertEqual((late["state"], late["cause"]), ("frame_only", "late"))
+        self.assertEqual(memory(2)["state"], "fused")
+
     # [control]
     def test_control_socket(self):
         place = self.folder / "door"
@@ -519,14 +535,14 @@ class Parameters(ProgramTest):
             self.assertTrue(wait_until(lambda: run("vdisp-probe", "get", "thresh", "--control", place).returncode == 0))
             self.assertEqual(run("vdisp-probe", "get", "thresh").returncode, 69)
 
-    def accepted(self, lines, *sets, pause):
-        """What in/odometry says after poses were sent, 0.1 s from one to the next, and a pause."""
+    def accepted(self, lines, *sets, pause, topics=("left", "in/odometry")):
+        """What in/odometry, or another topic, says after poses were sent, 0.1 s from one to the next, and a pause."""
         Parameters.runs += 1
         folder = self.folder / f"run{Parameters.runs}"
         with Running("vdispd", "--sim", *[word for item in ("sim.width=160", "sim.height=120", "image source.ndisp=32", *sets) for word in ("--set", item)]):
             subprocess.run([BIN / "vdisp-probe", "send", "odometry", "--rate", "10", "--wait", "10"], input=lines, text=True, check=True, stdout=subprocess.DEVNULL)
             time.sleep(pause)
-            self.assertEqual(run("vdisp-probe", "dump", folder, "--once", "left", "in/odometry").returncode, 0)
+            self.assertEqual(run("vdisp-probe", "dump", folder, "--once", *topics).returncode, 0)
         return self.frame(folder, 0)
 
     def test_control_maxAge(self):

@@ -127,6 +127,44 @@ TEST_F(DriverTest, a_bad_pair_makes_all_below_blind_with_the_reason_and_the_run_
   EXPECT_EQ(driver.timing(far).invalid, 1u);
 }
 
+/// Two inputs; the second one's state becomes a pixel.
+struct AsksState final : ImageProcessor {
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override { return {in[0]}; }
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override {
+    *out[0]->row<uint8_t>(0) = in[1]->valid() ? 1 : 2;
+    return Outcome::valid;
+  }
+};
+
+/// Valid, but for one frame, in which it is blind itself.
+struct OnceBlind final : ImageFilter {
+  uint64_t frame;
+  explicit OnceBlind(uint64_t when) : frame(when) {}
+  ImageSpec accept(const ImageSpec& in) override { return in; }
+  bool filter(const Image& in, Image& out) noexcept override {
+    out.reason = Reason::no_odometry;
+    return in.sequence != frame;
+  }
+};
+
+TEST_F(DriverTest, an_input_that_may_be_blind_does_not_make_its_reader_blind_others_do) {
+  source->bad = 2;
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  const Handle maybe = driver.add("maybe", std::make_unique<OnceBlind>(1), {camera});
+  driver.add("asks", std::make_unique<AsksState>(), {camera, even_blind(maybe)});
+  driver.add("needs", std::make_unique<AsksState>(), {camera, maybe});
+  connect();
+  driver.need_all();
+  driver.step();
+  EXPECT_EQ(*image("asks").row<uint8_t>(0), 1);
+  driver.step();
+  EXPECT_TRUE(image("asks").valid());
+  EXPECT_EQ(*image("asks").row<uint8_t>(0), 2);
+  EXPECT_EQ(image("needs").reason, Reason::no_odometry);
+  driver.step();
+  EXPECT_EQ(image("asks").reason, Reason::bad_pair) << "its other input is blind";
+}
+
 TEST_F(DriverTest, the_source_ends_the_run) {
   source->last = 2;
   build();

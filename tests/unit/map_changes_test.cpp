@@ -63,6 +63,18 @@ TEST_F(MapChangesTest, lists_what_changed_by_rows_and_columns_and_counts_on) {
   EXPECT_EQ(changes.cells[1].value, 0);
 }
 
+TEST_F(MapChangesTest, the_rover_moves_no_cells_of_a_grid_in_the_odometry_frame) {
+  grid.image().grid.frame = grid_of_odometry;
+  step();
+  grid.image().grid.pose_x = 0.5f;
+  grid.image().grid.pose_yaw = -0.1f;
+  EXPECT_EQ(step().whole, WholeGrid::no);
+  grid.image().grid.origin_row += 9;
+  EXPECT_EQ(step().whole, WholeGrid::moved);
+  grid.image().grid.frame = grid_of_camera;
+  EXPECT_EQ(step().whole, WholeGrid::moved);
+}
+
 TEST_F(MapChangesTest, a_frame_without_a_change_has_the_generation_of_the_last) {
   step();
   for (int i = 0; i < 3; ++i) {

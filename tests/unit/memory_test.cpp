@@ -64,18 +64,24 @@ struct MemoryTest : testing::Test {
   }
   void build() {
     const StereoView& v = world.view;
-    disparity.image().camera = {static_cast<float>(v.f), static_cast<float>(v.cx), static_cast<float>(v.cy), static_cast<float>(v.baseline), 0, 0,
-                                config.image_source.ndisp, {}};
+    disparity.image().camera = {static_cast<float>(v.f),
+                                static_cast<float>(v.cx),
+                                static_cast<float>(v.cy),
+                                static_cast<float>(v.baseline),
+                                0,
+                                0,
+                                config.image_source.ndisp,
+                                {}};
     surfaces = std::make_unique<Stage>(std::make_unique<Surfaces>(machine, config), std::vector{&disparity, &floor});
     auto& over = surfaces->out;
     occupancy = std::make_unique<Stage>(std::make_unique<Occupancy>(machine, config),
-                                      std::vector{&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), &floor, &left});
+                                        std::vector{&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), &floor, &left});
     auto& map = occupancy->out;
     check = std::make_unique<Stage>(std::make_unique<OdometryCheck>(config), std::vector{map[0].get(), &odometry, &last_tracks});
-    follow = std::make_unique<Stage>(std::make_unique<ObstacleTracks>(config), std::vector{map[0].get(), map[1].get(), over[2].get(), over[0].get(),
-                                                                                        &floor, check->out[0].get()});
+    follow = std::make_unique<Stage>(std::make_unique<ObstacleTracks>(config),
+                                     std::vector{map[0].get(), map[1].get(), over[2].get(), over[0].get(), &floor, check->out[0].get()});
     fuse = std::make_unique<Stage>(std::make_unique<FusedMap>(config),
-                                 std::vector{map[0].get(), map[1].get(), &disparity, &floor, check->out[0].get()});
+                                   std::vector{map[0].get(), map[1].get(), &disparity, &floor, check->out[0].get()});
   }
   /// The next frame, with odometry that tells the truth unless `told` is another.
   void see() { see(rover); }
@@ -172,7 +178,8 @@ TEST_F(MemoryTest, cells_of_a_box_stay_put_within_one_cell_while_the_rover_passe
     for (int column = 0; column < grid->spec().width; ++column) {
       if (grid->at<int8_t>(row, column) < occupied_from) continue;
       const GridGeometry& g = grid->image().grid;
-      const double x = (static_cast<double>(g.origin_row) - 0.5 - row) * 0.1, y = -(column + 0.5 - static_cast<double>(g.origin_column)) * 0.1;
+      const double x = (static_cast<double>(g.origin_row) - 0.5 - row) * 0.1,
+                   y = -(column + 0.5 - static_cast<double>(g.origin_column)) * 0.1;
       EXPECT_LE(std::abs(x - 3), 0.15 + 0.1) << x << ' ' << y;
       EXPECT_LE(std::abs(y), 0.3 + 0.1) << x << ' ' << y;
       ++inside;
@@ -348,8 +355,8 @@ TEST_F(MemoryTest, odometry_of_a_socket_is_carried_to_the_frame_and_not_farther_
     o.x = x;
     step();
   };
-  sample(seconds, 0);          // 0.05 s old
-  sample(seconds, 0.05);       // 1 m/s
+  sample(seconds, 0);     // 0.05 s old
+  sample(seconds, 0.05);  // 1 m/s
   EXPECT_NEAR(memory().lag_s, period, 1e-9);
   EXPECT_NEAR(memory().x, 0.1, 1e-6) << "carried on at the speed of the last two";
   o.speed = 0.4;

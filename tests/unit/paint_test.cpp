@@ -87,12 +87,17 @@ TEST(Paint, each_reason_of_a_cell_has_a_colour_that_can_be_told_from_all_others)
   EXPECT_GT(colour(CellReason::overhang).b, 2 * colour(CellReason::overhang).r);
   EXPECT_GT(std::min(colour(CellReason::drop_off).r, colour(CellReason::drop_off).b), 2 * colour(CellReason::drop_off).g);
   // What is unknown is grey or brown: hardly a colour, or the red of a brown, and never the blue, green or magenta of what is known.
-  for (auto code = static_cast<uint8_t>(CellReason::too_near); code < cell_reasons; ++code) {
+  for (auto code = static_cast<uint8_t>(CellReason::too_near); code <= static_cast<uint8_t>(CellReason::rejected); ++code) {
     const Colour c = reason_colour(code);
     EXPECT_LE(c.g, c.r + 4) << int{code};
     EXPECT_LE(c.b, c.r + 12) << int{code};
     EXPECT_LE(c.r, c.g + 50) << int{code};
   }
+  // What is remembered has the colour of what was seen, darker.
+  EXPECT_GT(colour(CellReason::remembered_floor).g, 1.2 * colour(CellReason::remembered_floor).r);
+  EXPECT_LT(colour(CellReason::remembered_floor).g, 0.7 * colour(CellReason::floor).g);
+  EXPECT_GT(colour(CellReason::remembered_obstacle).r, 2 * colour(CellReason::remembered_obstacle).g);
+  EXPECT_LT(colour(CellReason::remembered_obstacle).r, 0.8 * colour(CellReason::obstacle).r);
 }
 
 TEST(Paint, reasons_are_a_plan_with_a_legend_of_those_that_are_there) {
