@@ -9,13 +9,15 @@
 namespace vdisp {
 namespace {
 
-constexpr double restlessness = 0.2;   // m/s in a second, standard deviation of how speeds change
-constexpr double first_speed = 1.5;    // m/s, standard deviation of the speed of what is new
-constexpr double nearest = 0.25;       // m: within this a blob continues a track in any case
-constexpr double farthest = 1.0;       // m
-constexpr double deviations = 3;       // of the uncertainty
-constexpr double unseen_s = 1;         // as long a track goes on without being seen
-constexpr double cut_deviation = 0.3;  // m, of the middle of what the border of the view cuts
+constexpr double restlessness = 0.2;                         // m/s in a second, standard deviation of how speeds change
+constexpr double first_speed = 1.5;                          // m/s, standard deviation of the speed of what is new
+constexpr double nearest = 0.25;                             // m: within this a blob continues a track in any case
+constexpr double farthest = 1.0;                             // m
+constexpr double deviations = 3;                             // of the uncertainty
+constexpr double unseen_s = 1;                               // as long a track goes on without being seen
+constexpr double cut_deviation = 0.3;                        // m, of the middle of what the border of the view cuts
+constexpr double lately = 0.97;                              // of a size, from frame to frame
+constexpr double least_change = 0.12, changed_share = 0.25;  // m, and of the size
 constexpr int least_sights = 3;
 constexpr double sure = 2.5;          // deviations of the speed from 0 of what moves
 constexpr double least_moving = 0.2;  // m/s
@@ -54,9 +56,18 @@ void ObstacleTracks::predict(double t) noexcept {
   }
 }
 
+/// Cut, or of another size than lately: something hides a part of it, or shows more of it.
+bool ObstacleTracks::partly_seen(Followed& f, const Blob& blob) noexcept {
+  const double size = blob.size_x + blob.size_y;
+  f.greatest = std::max(size, f.greatest * lately);
+  f.smallest = std::min(size, f.smallest / lately);
+  const double change = std::max(f.greatest - size, size - f.smallest);
+  return blob.cut || f.last.cut || (change > least_change && change > changed_share * f.greatest);
+}
+
 void ObstacleTracks::update(Followed& f, const Blob& blob, int64_t now_ns) noexcept {
-  // The middle of what is cut moves as the view does: it tells no speed.
-  const bool cut = blob.cut || f.last.cut;
+  // The middle of what is seen in part moves as the view does: it tells no speed.
+  const bool cut = partly_seen(f, blob);
   const double variance = cut ? cut_deviation * cut_deviation : blob.deviation * blob.deviation, all = f.place_variance + variance;
   const double of_place = f.place_variance / all, of_speed = cut ? 0 : f.common / all, rest = 1 - of_place;
   const double dx = blob.x - f.x, dy = blob.y - f.y;
@@ -76,7 +87,8 @@ void ObstacleTracks::update(Followed& f, const Blob& blob, int64_t now_ns) noexc
 void ObstacleTracks::begin(const Blob& blob, int64_t now_ns) noexcept {
   if (followed_.size() == Tracks::capacity) return;
   const double place = blob.deviation * blob.deviation;
-  followed_.push_back({next_id_++, blob.x, blob.y, 0, 0, place, 0, first_speed * first_speed, blob, 1, now_ns, now_ns, true});
+  followed_.push_back({next_id_++, blob.x, blob.y, 0, 0, place, 0, first_speed * first_speed, blob, blob.size_x + blob.size_y,
+                       blob.size_x + blob.size_y, 1, now_ns, now_ns, true});
 }
 
 void ObstacleTracks::associate(std::span<const Blob> blobs, int64_t now_ns) noexcept {

@@ -25,12 +25,14 @@ class ObstacleTracks final : public ImageProcessor {
     double x, y, speed_x, speed_y;
     double place_variance, common, speed_variance;  // of each axis
     Blob last;
+    double greatest, smallest;  // m, of its size, lately
     int sights;
     int64_t first_ns, seen_ns;
     bool seen;
   };
   void predict(double seconds) noexcept;
   void associate(std::span<const Blob> blobs, int64_t now_ns) noexcept;
+  static bool partly_seen(Followed& track, const Blob& blob) noexcept;
   void update(Followed& track, const Blob& blob, int64_t now_ns) noexcept;
   void begin(const Blob& blob, int64_t now_ns) noexcept;
   void tell(Tracks& tracks, int64_t now_ns) const noexcept;

@@ -221,6 +221,41 @@ class Control(ProgramTest):
             self.wait_for_input(accepted=31, x=0.6)
         self.assertEqual(daemon.text().count("odometry lost"), 1, daemon.text())
 
+    def test_the_map_remembers_while_odometry_comes_and_says_once_that_it_stopped(self):
+        daemon = self.start("--set", "sim.width=320", "--set", "sim.height=240", "--set", "sim.rate=10", "--set", "sim.scene=flat",
+                            "--set", "main.debug=1")
+
+        def memory():
+            frame = self.frame_of("left", "memory", "fused")
+            return frame.get("memory"), frame["stages"]["fused"].get("grid")
+        state, grid = memory()
+        self.assertEqual((state["state"], state["cause"], state["x"], grid["frame"]), ("frame_only", "no_odometry", None, 0))
+        ended = threading.Event()
+
+        def stand():
+            with connected() as client:
+                while not ended.wait(0.02):
+                    client.send(odometry(2.0, yaw=0.5))
+        sender = threading.Thread(target=stand)
+        sender.start()
+        self.addCleanup(sender.join)
+        self.addCleanup(ended.set)
+        self.assertTrue(wait_until(lambda: memory()[0]["state"] == "fused", 10), memory())
+        state, grid = memory()
+        self.assertAlmostEqual(state["x"], 2.0)
+        self.assertAlmostEqual(state["yaw"], 0.5)
+        self.assertLess(state["lag_s"], 0.2)
+        self.assertEqual(grid["frame"], 1)
+        for found, needed in zip(grid["pose"], (-2 * math.cos(0.5), 2 * math.sin(0.5), -0.5)):  # the odometry's origin, as the rover sees it
+            self.assertAlmostEqual(found, needed, 5)
+        time.sleep(1.5)
+        ended.set()
+        sender.join()
+        self.assertTrue(wait_until(lambda: memory()[0]["state"] == "frame_only", 10))
+        self.assertIn(memory()[0]["cause"], ("late", "no_odometry"))
+        self.assertEqual(daemon.text().count("the map is of the frame alone"), 1, daemon.text())
+        self.assertEqual(daemon.text().count("the map is fused in the odometry frame"), 1, daemon.text())
+
     def test_bad_odometry_is_refused_counted_and_said_once(self):
         daemon = self.start("--set", "control.maxAge=5")
         with connected() as client:
