@@ -62,6 +62,21 @@ class IncrementalPlanner(ProgramTest):
         followed, anew = (sorted(plan[key] for plan in listed)[len(listed) // 2] for key in ("took_us", "anew_us"))
         print(f"median of {len(listed)} changed frames: {followed:.0f} us, anew {anew:.0f} us")
 
+    def test_plans_in_the_map_that_remembers_of_the_real_daemon(self):
+        """A rover drives round; the goal stays 3 m ahead of it."""
+        sets = ("sim.width=320", "sim.height=240", "image source.ndisp=32", "sim.scene=drive", "sim.odometry=yes", "sim.rate=10")
+        with Running("vdispd", "--sim", *[word for item in sets for word in ("--set", item)]):
+            self.assertTrue(wait_until(lambda: run("vdisp-probe", "list").returncode == 0, 10))
+            plans = self.plans("3", "0", "--fused", "--json", "--compare", "--frames", "40")
+        plans = [plan for plan in plans if plan["state"] == "fresh"]
+        self.assertGreater(len(plans), 20)
+        self.assertTrue(all(plan["memory"] and plan["as_anew"] for plan in plans), plans[-1])
+        self.assertGreater(sum(plan["read"] == "listed" for plan in plans), 10)
+        for plan in plans:
+            if plan["path"]:
+                self.assertLess(math.dist(plan["path"][0], (0, 0)), 0.1)
+                self.assertLess(math.dist(plan["path"][-1], (3, 0)), 0.1)
+
     def test_reads_the_whole_grid_after_it_was_stopped(self):
         with Daemon("--rate", "50"):
             planner, plans = self.follow("--compare")
