@@ -70,18 +70,25 @@ void Edges::incoming(Incoming& kind, const char* what, const InputTally& tally, 
   }
 }
 
-/// A rover that has no odometry is told nothing: of what came once it is.
+/// Of a rover that never has odometry nothing is said. What is forgotten again and again is said once, and once that it lasts again.
 void Edges::remember(const Memory& memory, const Image& image) {
   const bool fused = memory.state == MemoryState::fused;
-  if ((fused == fused_ && memory.forgotten == forgotten_) || image.ready_ns - memory_told_ns_ < second) return;
-  if (fused != fused_ && !fused)
-    warn("memory lost at frame {}: {}; the map is of the frame alone", image.sequence, describe(memory.cause));
-  else if (fused != fused_)
+  if (memory.forgotten != forgotten_) {
+    if (!forgetting_ && fused && fused_) warn("memory begun anew at frame {}: {}", image.sequence, describe(memory.cause));
+    if (!forgetting_) forgotten_before_ = forgotten_;
+    forgetting_ = true;
+    forgotten_ = memory.forgotten;
+    forgotten_ns_ = image.ready_ns;
+  } else if (forgetting_ && image.ready_ns - forgotten_ns_ > 2 * second) {
+    forgetting_ = false;
+    if (forgotten_ - forgotten_before_ > 1) info("memory lasts again, after it was begun anew {} times", forgotten_ - forgotten_before_);
+  }
+  if (fused == fused_ || image.ready_ns - memory_told_ns_ < second) return;
+  if (fused)
     info("memory at frame {}: the map is fused in the odometry frame", image.sequence);
   else
-    warn("memory begun anew at frame {}: {}", image.sequence, describe(memory.cause));
+    warn("memory lost at frame {}: {}; the map is of the frame alone", image.sequence, describe(memory.cause));
   fused_ = fused;
-  forgotten_ = memory.forgotten;
   memory_told_ns_ = image.ready_ns;
 }
 

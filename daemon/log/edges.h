@@ -46,8 +46,10 @@ class Edges {
   bool told_near_ = false;
   bool differs_ = false;
   bool fused_ = false;  // as last told
-  uint32_t forgotten_ = 0;
   int64_t memory_told_ns_ = INT64_MIN / 2;
+  bool forgetting_ = false;  // within the last two seconds
+  uint32_t forgotten_ = 0, forgotten_before_ = 0;
+  int64_t forgotten_ns_ = 0;
   int frames_otherwise_ = 0;  // in a row that contradict differs_
 };
 
