@@ -208,10 +208,9 @@ std::vector<std::string> tracks_text(const Tracks& tracks) {
   std::vector<std::string> lines{format("%u obstacles in the %s frame", count, tracks.frame == grid_of_odometry ? "odometry" : "rover's")};
   for (uint32_t i = 0; i < count; ++i) {
     const Track& t = tracks.tracks[i];
-    lines.push_back(format("%4u  x %+.2f y %+.2f m  %.2f x %.2f x %.2f m  %+.2f %+.2f m/s%s  %.1f s", t.id, static_cast<double>(t.x),
-                           static_cast<double>(t.y), static_cast<double>(t.size_x), static_cast<double>(t.size_y),
-                           static_cast<double>(t.height), static_cast<double>(t.speed_x), static_cast<double>(t.speed_y),
-                           t.flags & Track::moving ? " moving" : "", static_cast<double>(t.age_s)));
+    lines.push_back(format("%4u  %+.2f %+.2f m  %+.2f %+.2f m/s  %.1f s%s", t.id, static_cast<double>(t.x), static_cast<double>(t.y),
+                           static_cast<double>(t.speed_x), static_cast<double>(t.speed_y), static_cast<double>(t.age_s),
+                           t.flags & Track::moving ? "  moving" : ""));
   }
   return lines;
 }
