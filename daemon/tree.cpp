@@ -29,7 +29,9 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
   const auto in = driver.add_set({std::begin(input_topics), std::end(input_topics)},
-                                 make_unique<Republish>(inputs, [&stereo] { return stereo.odometry(); }), {}, Need::always);
+                                   make_unique<Republish>(
+                                       inputs, [&stereo] { return stereo.odometry(); }, [&stereo] { return stereo.imu(); }),
+                                   {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
   // The floor of the last frame tells the matcher where to expect this one's.
@@ -51,7 +53,8 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
   } else if (floors) {
-    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config), {disparity, left}, Need::always);
+    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config),
+                                      {disparity, left, even_blind(in[1])}, Need::always);
     const auto over =
         driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1]});
     const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),

@@ -63,6 +63,10 @@ ordered_json floor_json(const Image& image) {
   json["steady_roll_rad"] = number(floor ? floor->steady_roll_rad : none);
   json["steady_height_m"] = number(floor ? floor->steady_height_m : none);
   json["held_s"] = number(floor ? floor->held_s : none);
+  json["gravity_pitch_rad"] = number(floor ? floor->gravity_pitch_rad : none);
+  json["gravity_roll_rad"] = number(floor ? floor->gravity_roll_rad : none);
+  json["imu"] = name(floor ? floor->imu : ImuUse::none);
+  json["gravity_differs"] = floor && floor->gravity_differs != 0;
   json["profile"] = ordered_json::array();
   for (uint32_t i = 0; floor && i < std::min(floor->profile_count, FloorModel::profile_capacity); ++i) {
     json["profile"].push_back(

@@ -120,6 +120,34 @@ std::string_view describe(Refusal refusal) {
   return "a reason this version does not know";
 }
 
+std::string_view name(ImuUse use) {
+  switch (use) {
+    case ImuUse::none: return "none";
+    case ImuUse::used: return "used";
+    case ImuUse::settling: return "settling";
+    case ImuUse::late: return "late";
+    case ImuUse::accelerating: return "accelerating";
+    case ImuUse::jumped: return "jumped";
+    case ImuUse::askew: return "askew";
+    case ImuUse::contradicts: return "contradicts";
+  }
+  return "unknown";
+}
+
+std::string_view describe(ImuUse use) {
+  switch (use) {
+    case ImuUse::none: return "there is no IMU";
+    case ImuUse::used: return "used";
+    case ImuUse::settling: return "its first sample, or the pitch of the camera is not known yet";
+    case ImuUse::late: return "its samples come later than 0.1 s";
+    case ImuUse::accelerating: return "what it measures is not gravity alone";
+    case ImuUse::jumped: return "it jumps, faster than a rover turns";
+    case ImuUse::askew: return "by it the rover lies on its side or upside down; axes are x ahead, y left, z up";
+    case ImuUse::contradicts: return "the floor in the images turns otherwise than it says";
+  }
+  return "a use this version does not know";
+}
+
 std::string_view name(Pixel pixel) {
   switch (pixel) {
     case Pixel::none: return "none";

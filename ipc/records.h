@@ -31,11 +31,23 @@ struct RecordHeader {
 enum class FloorState : uint32_t { lost = 0, found = 1, held = 2 };
 enum class FloorKind : uint32_t { line = 1, plane = 2, profile = 3 };
 
+/// What became of the sample of `in/imu` in the search for the floor.
+enum class ImuUse : uint32_t {
+  none = 0,          ///< there is none
+  used = 1,          ///< it tells how the camera turned since the last floor
+  settling = 2,      ///< the first one, or [mounting] pitch is not known yet: nothing to compare with
+  late = 3,          ///< older than 0.1 s
+  accelerating = 4,  ///< what it measures is more or less than gravity
+  jumped = 5,        ///< it turns faster than a rover can
+  askew = 6,         ///< it lies on its side or upside down
+  contradicts = 7,   ///< the images show a floor that turns otherwise
+};
+
 /// The floor of one frame: true disparity d' = (v - b) / (16 a) + tilt (u - cx) at column u, row v, px (0 at infinity,
 /// CameraGeometry::cx_offset). The line knows no tilt. A profile stands on its plane: the local floor is higher than it by profile_m.
 struct FloorModel {
   static constexpr RecordType type = RecordType::floor_model;
-  static constexpr uint16_t version = 2;
+  static constexpr uint16_t version = 3;
   static constexpr uint32_t profile_capacity = 64;
   RecordHeader header;
   FloorState state;
@@ -55,6 +67,10 @@ struct FloorModel {
   double held_s;                                              ///< age of a held floor
   float profile_start_m, profile_step_m;                      ///< ground distance of profile_m[0], and from one to the next
   float profile_m[profile_capacity];                          ///< height of the local floor over the plane
+  double gravity_pitch_rad, gravity_roll_rad;  ///< of the camera against the vertical, by the IMU, filtered likewise; NaN: not known
+  ImuUse imu;
+  uint32_t
+      gravity_differs;  ///< 1: filtered, they are not those over the floor, by more than [mounting] pitchTolerance: a slope, or a fault
 };
 
 /// How CatalogueEntry::parents names an input that is of the frame before; twice gives the index back.
@@ -140,7 +156,7 @@ struct TruthScene {
   TruthDrop drop;
 };
 
-static_assert(sizeof(FloorModel) == 384 && sizeof(CatalogueEntry) == 120 && sizeof(Heartbeat) == 32);
+static_assert(sizeof(FloorModel) == 408 && sizeof(CatalogueEntry) == 120 && sizeof(Heartbeat) == 32);
 /// Why a message of the control socket was refused.
 enum class Refusal : uint32_t {
   none = 0,
@@ -222,6 +238,8 @@ struct Events {
 static_assert(sizeof(Odometry) == 136 && sizeof(Imu) == 112 && sizeof(DriveOrder) == 64 && sizeof(Events) == 496);
 
 /// One word for files, one phrase for people.
+std::string_view name(ImuUse use);
+std::string_view describe(ImuUse use);
 std::string_view name(Refusal refusal);
 std::string_view describe(Refusal refusal);
 

@@ -102,6 +102,10 @@ std::vector<std::string> floor_text(const FloorModel& floor) {
                                  "confidence  " + or_dash("%.2f", floor.confidence),
                                  "points      " + std::to_string(floor.points)};
   if (floor.reason != Reason::none) lines.push_back("reason      " + std::string(describe(floor.reason)));
+  if (floor.imu != ImuUse::none) lines.push_back("IMU         " + std::string(describe(floor.imu)));
+  if (std::isfinite(floor.gravity_pitch_rad))
+    lines.push_back("by gravity  pitch" + or_dash(" %.2f deg", floor.gravity_pitch_rad, degrees) + ", roll" +
+                    or_dash(" %.2f deg", floor.gravity_roll_rad, degrees) + (floor.gravity_differs ? ": differs" : ""));
   if (floor.mounting_differs) lines.push_back("mounting    differs from [mounting]");
   return lines;
 }

@@ -123,7 +123,7 @@ Refusal Inputs::take(const OdometryMessage& message, uint64_t sender, int64_t no
 }
 
 Refusal Inputs::take(const ImuMessage& message, uint64_t sender, int64_t now_ns) {
-  Refusal refusal = sound(message);
+  Refusal refusal = recorded_imu_ ? Refusal::recorded : sound(message);
   if (refusal == Refusal::none) refusal = judge(imu_.input, message.timestamp_ns, sender, now_ns, true);
   if (settle(imu_.input, refusal, message.timestamp_ns) != Refusal::none) return refusal;
   Imu& newest = imu_.newest;

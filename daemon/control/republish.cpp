@@ -7,10 +7,29 @@
 #include "daemon/core/clock.h"
 
 namespace vdisp {
+namespace {
+
+/// In lock-step with the frames: the same from run to run.
+template <class Record>
+void show(const Record& recorded, Image& image) {
+  Record& record = *image.row<Record>(0);
+  const RecordHeader header = record.header;
+  const InputTally tally = record.tally;
+  record = recorded;
+  record.header = header;
+  record.tally = tally;
+  image.timestamp_ns = recorded.timestamp_ns;
+  image.flags |= flag_synthetic;
+  image.state = ImageState::valid;
+  image.reason = Reason::none;
+}
+
+}  // namespace
 
 std::vector<ImageSpec> Republish::check(std::span<const ImageSpec> in) {
   if (!in.empty()) throw FormatError("takes no input, was given " + std::to_string(in.size()));
-  if (recorded_()) inputs_.refuse_odometry();
+  if (odometry_()) inputs_.refuse_odometry();
+  if (imu_()) inputs_.refuse_imu();
   return {record_spec<Odometry>(), record_spec<Imu>(), record_spec<DriveOrder>(), record_spec<Events>()};
 }
 
@@ -20,21 +39,11 @@ Outcome Republish::process(std::span<const Image* const>, std::span<Image* const
   inputs_.write_imu(*out[1], now);
   inputs_.write_drive(*out[2], now);
   inputs_.write_events(*out[3], now);
-  const Odometry* recorded = recorded_();
-  if (!recorded) return Outcome::valid;
-  // In lock-step with the frames: the same from run to run.
-  Image& image = *out[0];
-  Odometry& record = *image.row<Odometry>(0);
-  const RecordHeader header = record.header;
-  const InputTally tally = record.tally;
-  record = *recorded;
-  record.header = header;
-  record.tally = tally;
-  image.timestamp_ns = recorded->timestamp_ns;
-  image.flags |= flag_synthetic;
-  image.state = ImageState::valid;
-  image.reason = Reason::none;
-  if (std::isnan(recorded->x)) image.set_blind(Reason::no_odometry);
+  if (const Odometry* recorded = odometry_()) {
+    show(*recorded, *out[0]);
+    if (std::isnan(recorded->x)) out[0]->set_blind(Reason::no_odometry);
+  }
+  if (const Imu* recorded = imu_()) show(*recorded, *out[1]);
   return Outcome::valid;
 }
 

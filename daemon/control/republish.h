@@ -15,16 +15,19 @@ inline constexpr const char* input_topics[] = {"in/odometry", "in/imu", "in/driv
 /// Images carry the time of the newest sample, not of the frame.
 class Republish final : public ImageProcessor {
  public:
-  /// What the source knows of the pair at hand; null: this source tells no odometry, the socket may.
-  using Recorded = std::function<const Odometry*()>;
-  Republish(Inputs& inputs, Recorded recorded) : inputs_(inputs), recorded_(std::move(recorded)) {}
+  /// What the source knows of the pair at hand; null: this source tells none of it, the socket may.
+  using RecordedOdometry = std::function<const Odometry*()>;
+  using RecordedImu = std::function<const Imu*()>;
+  Republish(Inputs& inputs, RecordedOdometry odometry, RecordedImu imu)
+      : inputs_(inputs), odometry_(std::move(odometry)), imu_(std::move(imu)) {}
 
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
   Inputs& inputs_;
-  Recorded recorded_;
+  RecordedOdometry odometry_;
+  RecordedImu imu_;
 };
 
 }  // namespace vdisp

@@ -47,6 +47,30 @@ void Edges::compare(const FloorModel& model, const Image& image) {
        filtered ? model.steady_pitch_rad : model.pitch_rad, config_.mounting.height, config_.expected_pitch(), image.sequence);
 }
 
+void Edges::weigh(const FloorModel& model, const Image& image) {
+  const bool differs = model.gravity_differs != 0;
+  weighed_otherwise_ = differs == askew_ ? 0 : weighed_otherwise_ + 1;
+  if (weighed_otherwise_ >= lasting_frames) {
+    askew_ = differs;
+    warn("gravity {} (frame {}): over the floor the camera has pitch {:.3f} and roll {:.3f} rad, by the IMU {:.3f} and {:.3f} rad",
+         differs ? "differs from the floor, by a slope, or [mounting] or the IMU is askew" : "and floor agree again", image.sequence,
+         model.steady_pitch_rad, model.steady_roll_rad, model.gravity_pitch_rad, model.gravity_roll_rad);
+  }
+}
+
+/// Accelerating, late and the first sample are no faults.
+void Edges::judge_imu(const FloorModel& model, const Image& image) {
+  const bool fault = model.imu == ImuUse::jumped || model.imu == ImuUse::askew || model.imu == ImuUse::contradicts;
+  if ((!fault && model.imu != ImuUse::used) || fault == imu_ignored_ || image.ready_ns - imu_told_ns_ < second) return;
+  imu_ignored_ = fault;
+  imu_told_ns_ = image.ready_ns;
+  if (fault) {
+    warn("IMU ignored from frame {} on: {}", image.sequence, describe(model.imu));
+  } else {
+    info("IMU believed again from frame {} on", image.sequence);
+  }
+}
+
 void Edges::say_what_is_near(const FloorModel& model, const CameraGeometry& camera) {
   const double below = std::atan((rows_ - static_cast<double>(camera.cy)) / static_cast<double>(camera.f));
   const double depth =
@@ -105,10 +129,12 @@ void Edges::see(const Topic& topic, const Image& image) {
   if (topic.name != "floor_model" || camera_.lost) return;
   edge(floor_, "floor", {}, image);
   const FloorModel* model = record_of<FloorModel>(image);
+  if (model) judge_imu(*model, image);
   if (!model || !image.valid()) return;
   trace("frame {}: floor height {:.3f} m, pitch {:.4f} rad, confidence {:.2f}", image.sequence, model->height_m, model->pitch_rad,
         model->confidence);
   compare(*model, image);
+  if (!std::isnan(model->gravity_pitch_rad)) weigh(*model, image);
   if (told_near_ || std::isnan(model->height_m)) return;
   told_near_ = true;
   say_what_is_near(*model, image.camera);

@@ -36,6 +36,8 @@ class Edges {
   void edge(Subject& subject, const char* what, std::string_view fault, const Image& image);
   void compare(const FloorModel& model, const Image& image);
   void remember(const Memory& memory, const Image& image);
+  void weigh(const FloorModel& model, const Image& image);
+  void judge_imu(const FloorModel& model, const Image& image);
   void say_what_is_near(const FloorModel& model, const CameraGeometry& camera);
 
   const Config& config_;
@@ -51,6 +53,9 @@ class Edges {
   uint32_t forgotten_ = 0, forgotten_before_ = 0;
   int64_t forgotten_ns_ = 0;
   int frames_otherwise_ = 0;  // in a row that contradict differs_
+  bool askew_ = false, imu_ignored_ = false;
+  int weighed_otherwise_ = 0;  // in a row that contradict askew_
+  int64_t imu_told_ns_ = INT64_MIN / 2;
 };
 
 }  // namespace vdisp::log

@@ -119,6 +119,7 @@ class Renderer final : public Simulator {
   }
 
   Odometry rover(uint64_t frame) const noexcept override { return scene_.rover(frame); }
+  Imu imu(uint64_t frame) const noexcept override { return scene_.imu(frame); }
 
   const TruthView& truth(uint64_t frame) noexcept override {
     if (frame != truth_frame_) measure(frame);

@@ -12,6 +12,7 @@ namespace {
 constexpr double listed_range = 12;  // m ahead, of the truth's list
 constexpr double found = 1e-5;       // m, from the ground searched for
 constexpr double speed = 0.5;        // m/s, of the rover in `drive`
+constexpr double gravity = 9.81;     // m/s^2
 
 Axes axes_of(const Point& right, const Point& down, const Point& ahead) {
   return {right.x, down.x, ahead.x, right.y, down.y, ahead.y, right.z, down.z, ahead.z};
@@ -98,6 +99,19 @@ Odometry Scene::rover(uint64_t frame) const {
   pose.pitch = std::asin(ahead.y);
   pose.roll = std::atan2(right.y, down.y);
   return pose;
+}
+
+Imu Scene::imu(uint64_t frame) const {
+  const Point down = horizontal(turned_back(pose(frame).axes, {0, 1, 0}), parameters_.pitch, parameters_.roll);
+  const Point body = vdisp::rover(down, 0, 0, parameters_.yaw, 0);
+  Imu imu{};
+  imu.acceleration[0] = -gravity * body.x;
+  imu.acceleration[1] = -gravity * body.y;
+  imu.acceleration[2] = -gravity * body.z;
+  for (double& rate : imu.rate) rate = std::nan("");
+  imu.roll = std::atan2(-body.y, -body.z);
+  imu.pitch = std::atan2(body.x, std::hypot(body.y, body.z));
+  return imu;
 }
 
 GroundPlane Scene::plane(const CameraPose& pose, double rise) const {

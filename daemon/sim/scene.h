@@ -54,6 +54,8 @@ class Scene {
   const Ground& terrain() const { return ground_; }
   /// The place on the ground that carries the camera and the way the rover heads, in the odometry frame (REP-103).
   Odometry rover(uint64_t frame) const;
+  /// Gravity as the body of rover and camera feels it: it stands on its ground, and pitches with the camera.
+  Imu imu(uint64_t frame) const;
   /// World y of the ground.
   double ground(double x, double z) const { return -ground_.height(x, z); }
   /// What is at a place of the ground, in frame h of the pose.

@@ -62,6 +62,8 @@ class Simulator {
   virtual double ground_row(double depth) const noexcept = 0;
   /// Where the rover is, with the ground below its camera as its origin: x, y, z, roll, pitch, yaw of the record. At any time.
   virtual Odometry rover(uint64_t frame) const noexcept = 0;
+  /// What an accelerometer on the rover measures, camera and rover being one body: acceleration and attitude of the record. At any time.
+  virtual Imu imu(uint64_t frame) const noexcept = 0;
 };
 
 /// From frame to frame, ns; without a rate 1/30 s.

@@ -56,6 +56,10 @@ class SimSource final : public StereoSource {
       return Outcome::invalid;
     }
     if (config_.sim.odometry) pose_ = rover_pose();
+    if (config_.sim.imu) {
+      imu_ = simulator_->imu(frame_);
+      imu_.timestamp_ns = static_cast<int64_t>(frame_) * sim::frame_period_ns(config_.sim);
+    }
     for (size_t side = 0; side < 2; ++side) std::memcpy(out[side]->row<std::byte>(0), drawn_[side].data(), drawn_[side].size());
     ++frame_;
     ready_ = false;
@@ -67,6 +71,7 @@ class SimSource final : public StereoSource {
   std::optional<Calibration> calibration() const override { return simulator_->calibration(); }
   int64_t period_ns() const override { return config_.sim.rate > 0 ? sim::frame_period_ns(config_.sim) : 0; }
   const Odometry* odometry() const noexcept override { return config_.sim.odometry ? &pose_ : nullptr; }
+  const Imu* imu() const noexcept override { return config_.sim.imu ? &imu_ : nullptr; }
   void add_truth(Driver& driver, Handle camera) override { sim::add_truth_stages(driver, camera, *simulator_, config_); }
 
  private:
@@ -105,6 +110,7 @@ class SimSource final : public StereoSource {
   bool ready_ = false, ending_ = false;
   uint64_t frame_ = 0;
   Odometry pose_{};  // of the last frame
+  Imu imu_{};        // likewise
   std::array<std::vector<std::byte>, 2> drawn_;
   std::thread painter_;
 };

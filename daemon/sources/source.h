@@ -30,6 +30,8 @@ class StereoSource : public ImageSource {
   /// Where the rover was when the last pair was taken, for a source that knows: from open() on never null then, x NaN where this pair has
   /// no pose. Header, age and tally are not filled in.
   virtual const Odometry* odometry() const noexcept { return nullptr; }
+  /// What its IMU told when the last pair was taken, likewise.
+  virtual const Imu* imu() const noexcept { return nullptr; }
   /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
   virtual void add_truth(Driver&, Handle) {}
 };

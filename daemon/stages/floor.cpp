@@ -24,6 +24,7 @@ Outcome Floor::process(std::span<const Image* const> in, std::span<Image* const>
   model.model = FloorKind::line;
   model.pitch_rad = model.roll_rad = model.height_m = std::nan("");
   model.steady_pitch_rad = model.steady_roll_rad = model.steady_height_m = std::nan("");
+  model.gravity_pitch_rad = model.gravity_roll_rad = std::nan("");
   size_ = machine_.kernels.collect_points(plane<int16_t>(vdisparity), config_.floor.minVotes, points());
   model.points = static_cast<uint32_t>(size_);
 

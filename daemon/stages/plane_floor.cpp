@@ -17,13 +17,19 @@ constexpr double least_matched = 0.01;    // share of the pixels with a disparit
 constexpr double most_untextured = 0.97;  // share of the pixels refused for it
 constexpr double good_points = 300;       // on the floor, of some 8000 looked at in 640x480
 constexpr double steady_s = 2;            // time constant of the filtered pose
+// rad: how far a floor may be off the last one until that counts half; where an IMU tells how the camera turned since.
+constexpr double last_off = 0.15, turned_off = 0.05;
+
+Point normal_of(double pitch, double roll) { return camera({0, 1, 0}, pitch, roll); }
 
 }  // namespace
 
 std::vector<ImageSpec> PlaneFloor::check(std::span<const ImageSpec> in) {
-  if (in.size() != 2) throw FormatError("takes the disparity and the left view, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 3)
+    throw FormatError("takes the disparity, the left view and the IMU, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::disparity16, "the disparity");
   require(in[1], Pixel::gray8, "the left view");
+  require(in[2], Pixel::record, "the IMU");
   require_same_size(in[0], in[1]);
   search_.prepare(in[0]);
   profile_.prepare();
@@ -36,11 +42,16 @@ Outcome PlaneFloor::process(std::span<const Image* const> in, std::span<Image* c
   model.model = profiles_ ? FloorKind::profile : FloorKind::plane;
   model.pitch_rad = model.roll_rad = model.height_m = std::nan("");
   model.steady_pitch_rad = model.steady_roll_rad = model.steady_height_m = std::nan("");
+  model.gravity_pitch_rad = model.gravity_roll_rad = std::nan("");
+  const double mounted = config_.expected_pitch();
+  gravity_.take(in[2]->valid() ? record_of<Imu>(*in[2]) : nullptr, std::isnan(mounted) && last_ ? last_->steady_pitch_rad : mounted);
+  model.imu = gravity_.use();
   Reason why = blindness(disparity, *in[1]);
   const bool sees = why == Reason::none;
   if (sees && !find(disparity, model)) why = Reason::no_floor;
   if (why != Reason::none && !(sees && hold(disparity, why, model))) {
     model.state = FloorState::lost;
+    model.imu = gravity_.use();
     model.reason = out[0]->reason = out[1]->reason = why;
     return Outcome::invalid;
   }
@@ -84,13 +95,18 @@ Reason PlaneFloor::blindness(const Image& disparity, const Image& left) const no
 bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   const StereoView view = stereo_view(disparity);
   model.points = static_cast<uint32_t>(search_.collect(disparity));
-  std::optional<FloorPlane> last;
-  if (last_) last = LocalFloor(*last_, view).plane();
+  std::optional<PlaneSearch::Expected> last;
+  if (const auto turned = predicted(view)) {
+    last = {*turned, turned_off};
+  } else if (last_) {
+    last = {LocalFloor(*last_, view).plane(), last_off};
+  }
   const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr);
   if (!found || !PlaneSearch::holds(*found)) return false;
   describe(view, *found, model);
   if (profiles_ && view.calibrated()) profile_.measure(search_, view, model);
   steady(disparity, model);
+  if (!std::isnan(model.height_m)) gravity_.found(normal_of(model.pitch_rad, model.roll_rad));
   last_ = model;
   last_ns_ = disparity.timestamp_ns;
   return true;
@@ -131,6 +147,31 @@ void PlaneFloor::steady(const Image& disparity, FloorModel& model) noexcept {
       mounting.height > 0 && std::abs(model.steady_height_m - mounting.height) > mounting.heightTolerance * mounting.height;
   const bool pitch_differs = !std::isnan(expected) && std::abs(model.steady_pitch_rad - expected) > mounting.pitchTolerance;
   model.mounting_differs = height_differs || pitch_differs;
+  weigh(before, part, model);
+}
+
+void PlaneFloor::weigh(const FloorModel& before, double part, FloorModel& model) noexcept {
+  const auto down = gravity_.down();
+  if (!down) {
+    // A rover that accelerates for a moment still stands on the same slope.
+    model.gravity_pitch_rad = last_ && model.imu == ImuUse::accelerating ? before.gravity_pitch_rad : std::nan("");
+    model.gravity_roll_rad = last_ && model.imu == ImuUse::accelerating ? before.gravity_roll_rad : std::nan("");
+    model.gravity_differs = last_ && model.imu == ImuUse::accelerating ? before.gravity_differs : 0;
+    return;
+  }
+  const double pitch = std::atan2(down->z, std::hypot(down->x, down->y)), roll = std::atan2(down->x, down->y);
+  const bool anew = !last_ || std::isnan(before.gravity_pitch_rad);
+  model.gravity_pitch_rad = anew ? pitch : before.gravity_pitch_rad + part * (pitch - before.gravity_pitch_rad);
+  model.gravity_roll_rad = anew ? roll : before.gravity_roll_rad + part * (roll - before.gravity_roll_rad);
+  const double most = config_.mounting.pitchTolerance;
+  model.gravity_differs =
+      std::abs(model.gravity_pitch_rad - model.steady_pitch_rad) > most || std::abs(model.gravity_roll_rad - model.steady_roll_rad) > most;
+}
+
+std::optional<FloorPlane> PlaneFloor::predicted(const StereoView& view) const noexcept {
+  const auto normal = gravity_.predicted();
+  if (!normal || !last_ || std::isnan(last_->height_m)) return std::nullopt;
+  return plane_of({std::atan2(normal->z, std::hypot(normal->x, normal->y)), std::atan2(normal->x, normal->y), last_->height_m}, view);
 }
 
 bool PlaneFloor::hold(const Image& disparity, Reason why, FloorModel& model) noexcept {
@@ -138,6 +179,16 @@ bool PlaneFloor::hold(const Image& disparity, Reason why, FloorModel& model) noe
   const double age = static_cast<double>(disparity.timestamp_ns - last_ns_) * 1e-9;
   if (!(age >= 0 && age <= config_.floor.hold)) return false;
   model = *last_;
+  const StereoView view = stereo_view(disparity);
+  if (const auto plane = predicted(view)) {
+    const PlanePose pose = pose_of(*plane, view);
+    model.a = 1 / (16 * plane->down);
+    model.b = plane->horizon(view);
+    model.tilt = plane->across;
+    model.pitch_rad = pose.pitch;
+    model.roll_rad = pose.roll;
+  }
+  model.imu = gravity_.use();
   model.state = FloorState::held;
   model.reason = why;
   model.held_s = age;

@@ -6,19 +6,21 @@
 
 #include "daemon/core/processor.h"
 #include "daemon/stages/floor_profile.h"
+#include "daemon/stages/gravity.h"
 #include "daemon/stages/plane_search.h"
 
 namespace vdisp {
 
-/// disparity16 and the left view (gray8) to line16 (row of the local floor in the middle column for each column of the v-disparity, not
-/// clipped) and the record FloorModel.
+/// disparity16, the left view (gray8) and the IMU's record, which may be blind, to line16 (row of the local floor in the middle column for
+/// each column of the v-disparity, not clipped) and the record FloorModel.
 ///
 /// found: measured in this frame. held: not found, and the last one found is taken, for at most `hold` s, and never where there is no
-/// light, no texture, or nothing that matches. lost: neither; blind, with the reason.
+/// light, no texture, or nothing that matches. lost: neither; blind, with the reason. With an IMU the last floor is taken to lie as the
+/// camera turned since (gravity.h), both where it is held and where the search begins.
 class PlaneFloor final : public ImageProcessor {
  public:
   PlaneFloor(Machine& machine, const Config& config)
-      : config_(config), profiles_(config.floor.model == "profile"), search_(machine, config), profile_(config) {}
+      : config_(config), profiles_(config.floor.model == "profile"), search_(machine, config), profile_(config), gravity_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
@@ -28,12 +30,17 @@ class PlaneFloor final : public ImageProcessor {
   bool find(const Image& disparity, FloorModel& model) noexcept;
   void describe(const StereoView& view, const PlaneSearch::Found& found, FloorModel& model) noexcept;
   void steady(const Image& disparity, FloorModel& model) noexcept;
+  /// What gravity says, beside what the floor says.
+  void weigh(const FloorModel& before, double part, FloorModel& model) noexcept;
+  /// The last floor as it should lie now; none where nothing is known of that.
+  std::optional<FloorPlane> predicted(const StereoView& view) const noexcept;
   bool hold(const Image& disparity, Reason why, FloorModel& model) noexcept;
 
   const Config& config_;
   bool profiles_;
   PlaneSearch search_;
   FloorProfile profile_;
+  Gravity gravity_;
   std::optional<FloorModel> last_;  // found
   int64_t last_ns_ = 0;
 };

@@ -24,7 +24,7 @@ constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
 // How far a floor may be off what was expected until that counts half of what lies on it.
 constexpr double usual_pitch = 0.3, usual_pitch_off = 0.5;  // where nothing is known of it: a wall is no floor
-constexpr double height_off = 0.25, pitch_off = 0.15, roll_off = 0.35, last_off = 0.15;
+constexpr double height_off = 0.25, pitch_off = 0.15, roll_off = 0.35, last_height_off = 0.15;
 
 int step(int of_standard, int size, int standard) { return std::max(of_standard * size / standard, 1); }
 
@@ -118,7 +118,7 @@ std::optional<FloorPlane> PlaneSearch::draw(int kind, Random& random, const Ster
   return view.calibrated() && height > 0 ? through_one(random, view, roll, height) : through_two(random, expected_roll);
 }
 
-double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const {
+double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, const Expected* last) const {
   if (!(plane.down > 1e-4) || std::abs(plane.across) > std::tan(most_roll) * plane.down) return 0;
   if (!view.calibrated()) return 1;
   const PlanePose pose = pose_of(plane, view);
@@ -129,14 +129,14 @@ double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, cons
   if (height > 0) likely *= bell(pose.height / height - 1, height_off);
   likely *= std::isnan(pitch) ? bell(pose.pitch - usual_pitch, usual_pitch_off) : bell(pose.pitch - pitch, pitch_off);
   if (last) {
-    const PlanePose before = pose_of(*last, view);
-    likely *= 0.5 + 0.5 * bell(pose.height / before.height - 1, last_off) * bell(pose.pitch - before.pitch, last_off) *
-                        bell(pose.roll - before.roll, last_off);
+    const PlanePose before = pose_of(last->plane, view);
+    likely *= 0.5 + 0.5 * bell(pose.height / before.height - 1, last_height_off) * bell(pose.pitch - before.pitch, last->off) *
+                        bell(pose.roll - before.roll, last->off);
   }
   return likely;
 }
 
-PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const {
+PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView& view, const Expected* last) const {
   Found found{plane, {}, {}, likely(plane, view, last)};
   if (found.score <= 0) return found;
   const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
@@ -174,11 +174,11 @@ FloorPlane PlaneSearch::refine(FloorPlane plane, size_t step) const {
   return plane;
 }
 
-std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, uint64_t seed, const FloorPlane* last) {
+std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, uint64_t seed, const Expected* last) {
   if (n_ < 3) return std::nullopt;
   Random random(static_cast<uint32_t>(seed % 2147483646 + 1));
   last_roll_.reset();
-  if (last) last_roll_ = std::atan2(last->across, last->down);
+  if (last) last_roll_ = std::atan2(last->plane.across, last->plane.down);
   mounted_ = view.calibrated() && config_.mounting.height > 0;
   if (mounted_) {
     const auto found = try_planes(view, random, last);
@@ -188,7 +188,7 @@ std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, ui
   return try_planes(view, random, last);
 }
 
-std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view, Random& random, const FloorPlane* last) {
+std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view, Random& random, const Expected* last) {
   std::array<Found, kept> best{};
   size_t count = 0;
   const auto keep = [&](const Found& found) {
@@ -198,7 +198,7 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
     for (; i > 0 && best[i - 1].score < found.score; --i) best[i] = best[i - 1];
     best[i] = found;
   };
-  if (last) keep(judge(*last, view, last));
+  if (last) keep(judge(last->plane, view, last));
   for (int kind = 0; kind < 3; ++kind) {
     for (int i = 0; i < tries_of_kind[kind]; ++i) {
       if (const auto plane = draw(kind, random, view)) keep(judge(*plane, view, last));

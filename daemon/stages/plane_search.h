@@ -36,8 +36,13 @@ class PlaneSearch {
   std::array<double, 3> point(size_t i) const {
     return {static_cast<double>(u_[i]), static_cast<double>(v_[i]), static_cast<double>(d_[i])};
   }
-  /// The same points and seed give the same plane. `last`: the floor of the last frame, or null.
-  std::optional<Found> search(const StereoView& view, uint64_t seed, const FloorPlane* last);
+  /// Where the floor is expected, and the angle off it, rad, at which that counts half.
+  struct Expected {
+    FloorPlane plane;
+    double off;
+  };
+  /// The same points and seed give the same plane. `last`: the floor of the last frame as it should lie now, or null.
+  std::optional<Found> search(const StereoView& view, uint64_t seed, const Expected* last);
   /// Enough lies on it to call it a floor.
   static bool holds(const Found& found);
   /// Where a point has this true disparity of the floor it may be off by so much, px.
@@ -52,10 +57,10 @@ class PlaneSearch {
   std::optional<FloorPlane> through_two(Random& random, double roll) const;
   std::optional<FloorPlane> through_one(Random& random, const StereoView& view, double roll, double height) const;
   /// How far what is known beforehand supports a plane, 0..1; 0: it cannot be the floor.
-  double likely(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
+  double likely(const FloorPlane& plane, const StereoView& view, const Expected* last) const;
   bool within_mounting(const PlanePose& pose) const;
-  std::optional<Found> try_planes(const StereoView& view, Random& random, const FloorPlane* last);
-  Found judge(const FloorPlane& plane, const StereoView& view, const FloorPlane* last) const;
+  std::optional<Found> try_planes(const StereoView& view, Random& random, const Expected* last);
+  Found judge(const FloorPlane& plane, const StereoView& view, const Expected* last) const;
   /// Fits it to every `step`th of its points; from 2 on as a guess, that may be far off.
   FloorPlane refine(FloorPlane plane, size_t step) const;
   kernels::DisparityPoints lists() const { return {u_.data(), v_.data(), d_.data()}; }

@@ -22,6 +22,7 @@ class SlowSimulator final : public Simulator {
   Place place(double, double) const noexcept override { return {}; }
   double ground_row(double) const noexcept override { return 0; }
   Odometry rover(uint64_t) const noexcept override { return {}; }
+  Imu imu(uint64_t) const noexcept override { return {}; }
 
  private:
   const size_t height_;

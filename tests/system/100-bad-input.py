@@ -128,6 +128,21 @@ class BadInput(ProgramTest):
                 self.assertFalse(frame["stages"]["map"]["valid"])
                 self.assertFalse((dump / f"{i:06d}" / "disparity.png").exists())
 
+    def test_a_wrong_mounting_is_said_once_with_what_was_measured(self):
+        small = ["main.middleware=none", "image source.source=sim", "sim.scene=flat", "sim.width=320", "sim.height=240", "sim.rate=0",
+                 "image source.ndisp=32", "mounting.height=0.8"]
+        def said(*sets):
+            words = [word for item in [*small, *sets] for word in ("--set", item)]
+            return [line for line in run("vdispd", *words, "--frames", 40).stderr.splitlines() if "mounting" in line]
+        self.assertEqual(said("sim.imu=yes", "mounting.pitch=0.2618"), [])
+        told = said("mounting.height=1.2")
+        self.assertEqual(len(told), 1, told)
+        self.assertRegex(told[0], "does not agree with .mounting.: measured height 0[.](79|80|81) m .* configured 1.20 m")
+        told = said("sim.imu=yes", "mounting.pitch=0.38")
+        self.assertEqual(len(told), 2, told)
+        self.assertRegex(told[0], "measured .* pitch 0.2[56][0-9] rad, configured .* 0.380 rad")
+        self.assertRegex(told[1], "gravity differs from the floor.* over the floor .* pitch 0.2[56].* by the IMU 0.3[78]")
+
     def test_without_calibration_disparity_and_floor_line_are_given_and_metres_are_blind(self):
         self.write_pairs()
         dump = self.folder / "dump"

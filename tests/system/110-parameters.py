@@ -502,6 +502,14 @@ class Parameters(ProgramTest):
         self.assertTrue(told.valid("in/odometry"))
         self.assertNotEqual(told.json["odometry"]["x"], 0)
 
+    def test_sim_imu(self):
+        nods = "sim.pitching=0.08", "sim.pitchingRate=3"
+        blind, told = (self.dump(f"sim.imu={value}", *nods, frames=4) for value in ("no", "yes"))
+        self.assertEqual(blind.json["stages"]["in/imu"]["reason"], "no_imu")
+        self.assertEqual(blind.floor("imu"), "none")
+        self.assertEqual(told.floor("imu"), "used")
+        self.assertAlmostEqual(told.json["imu"]["pitch"], told.json["truth_scene"]["pitch_rad"] - 0.2618, delta=0.001)
+
     def test_image_source_odometry(self):
         poses = self.folder / "poses.csv"
         poses.write_text("frame,x,y,yaw\n0,0,0,0\n1,0.5,0.25,0.1\n")

@@ -181,7 +181,7 @@ TEST_F(DriverTest, a_refused_stage_names_both_ends_and_leaves_no_trace) {
     driver.add("wrong", std::make_unique<AddOne>(&far_runs), {record});
     FAIL() << "a record was accepted as gray8";
   } catch (const FormatError& error) {
-    EXPECT_STREQ(error.what(), "stage 'wrong' of 'record' (record 384x1): the input is record, needed is gray8");
+    EXPECT_STREQ(error.what(), "stage 'wrong' of 'record' (record 408x1): the input is record, needed is gray8");
   }
   EXPECT_EQ(driver.topics().back().name, "record");
 }
@@ -323,6 +323,21 @@ TEST_F(DelayedTest, a_step_without_a_frame_leaves_it_as_it_is_and_the_sequence_t
   EXPECT_EQ(seen[1].age, 2u);
 }
 
+TEST_F(DelayedTest, an_input_that_may_be_blind_blinds_nobody) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  const Handle guess = driver.add("guess", std::make_unique<Sometimes>(&model_runs, 1), {camera});
+  EXPECT_THROW(driver.add("first", std::make_unique<LookBack>(&seen), {even_blind(guess), camera}), FormatError);
+  driver.add("reader", std::make_unique<LookBack>(&seen), {camera, even_blind(guess)}, Need::always);
+  connect();
+  steps(3);
+  ASSERT_EQ(seen.size(), 3u);
+  EXPECT_TRUE(image("reader").valid());
+  EXPECT_EQ(seen[0].age, 0u) << "it is of this frame";
+  EXPECT_FALSE(seen[1].valid);
+  EXPECT_EQ(seen[1].reason, Reason::no_floor_line);
+  EXPECT_TRUE(seen[2].valid);
+}
+
 TEST_F(DelayedTest, a_running_reader_makes_the_maker_run) {
   build_loop();
   steps(1);
@@ -401,7 +416,7 @@ TEST_F(DelayedTest, another_format_than_expected_is_refused_with_both) {
     build_loop(-1, "model", record_spec<FloorModel>());
     FAIL();
   } catch (const FormatError& error) {
-    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'model' as record 384x1, it is gray8 8x4");
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'model' as record 408x1, it is gray8 8x4");
   }
 }
 
@@ -413,7 +428,7 @@ TEST_F(DelayedTest, two_records_are_told_apart_by_type) {
     connect();
     FAIL();
   } catch (const FormatError& error) {
-    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'record' as record 32x1 of type 3, it is record 384x1 of type 1");
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'record' as record 32x1 of type 3, it is record 408x1 of type 1");
   }
 }
 
@@ -434,7 +449,7 @@ TEST_F(DelayedTest, a_refused_stage_names_its_delayed_input) {
     FAIL();
   } catch (const FormatError& error) {
     EXPECT_STREQ(error.what(),
-                 "stage 'wrong' of 'camera' (gray8 8x4), the last 'model' (record 384x1): the input is record, needed is gray8");
+                 "stage 'wrong' of 'camera' (gray8 8x4), the last 'model' (record 408x1): the input is record, needed is gray8");
   }
 }
 

@@ -192,15 +192,23 @@ TEST_F(InputsTest, what_the_source_tells_goes_before_the_socket_and_is_of_the_fr
   Odometry known{};
   known.x = 7;
   known.timestamp_ns = 123;
+  Imu felt{};
+  felt.pitch = 0.1;
   Driver driver(1);
   const auto handles = driver.add_set({std::begin(input_topics), std::end(input_topics)},
-                                      std::make_unique<Republish>(inputs, [&] { return &known; }), {}, Need::always);
+                                      std::make_unique<Republish>(
+                                          inputs, [&] { return &known; }, [&] { return &felt; }),
+                                      {}, Need::always);
   EXPECT_EQ(take(odometry(start, 0), start), Refusal::recorded);
+  EXPECT_EQ(inputs.take(imu(start, 0, 0, 9.81), 1, start), Refusal::recorded);
   std::vector<std::pair<ImageState, double>> seen;
   driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
   driver.set_config_generation(5);
   driver.set_viewer([&](const Topic& topic, const Image& image) {
     EXPECT_EQ(image.config_generation, 5u);
+    if (topic.name == "in/imu") {
+      EXPECT_TRUE(image.valid() && record_of<Imu>(image)->pitch == 0.1);
+    }
     if (topic.name != "in/odometry") return;
     EXPECT_TRUE(image.flags & flag_synthetic);
     EXPECT_EQ(image.timestamp_ns, 123);
