@@ -16,6 +16,7 @@
 #include "daemon/stages/rectify.h"
 #include "daemon/stages/show_line.h"
 #include "daemon/stages/show_obstacle.h"
+#include "daemon/stages/show_scene.h"
 #include "daemon/stages/surfaces.h"
 #include "daemon/stages/tracks.h"
 #include "daemon/stages/vdisparity.h"
@@ -72,6 +73,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
     driver.add("obstacles", make_unique<ShowSurface>(), {over[1]});
+    driver.add("show_scene", make_unique<ShowScene>(config), {left, over[1], ground[0], floor[1]});
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
   }

@@ -114,6 +114,15 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
         add_codes<uint8_t>(
             image, items, [](uint8_t v) { return v; }, surface_colour, [](uint8_t v) { return name(Surface{v}); });
       break;
+    case Pixel::rgb8:
+      if (topic != "show_scene") break;
+      items.push_back(one({60, 220, 90}, "free"));
+      items.push_back(one({255, 60, 40}, "obstacle, drop-off"));
+      items.push_back(one({200, 80, 255}, "below the floor"));
+      items.push_back(one({255, 255, 255}, "floor every few metres"));
+      items.push_back(one({80, 160, 255}, "limit over it"));
+      items.push_back(one({255, 220, 60}, "horizon"));
+      break;
     case Pixel::mask8: items.push_back(one({236, 92, 60}, "obstacle")); break;
     case Pixel::line16: items.push_back(one(colours::warning, "image row for each disparity")); break;
     default: break;

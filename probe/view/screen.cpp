@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "probe/attach.h"
+#include "probe/format.h"
 #include "probe/readout.h"
 #include "probe/tree.h"
 
@@ -161,7 +162,14 @@ std::string draw_stage(Picture& page, Box room, const ScreenState& state) {
   page.draw(picture, box);
   const int x = state.mouse_x - box.x, y = state.mouse_y - box.y;
   if (x < 0 || y < 0 || x >= box.width || y >= box.height) return {};
-  return read_out(topic, image, x * picture.width() / box.width / painted.cell, y * picture.height() / box.height / painted.cell);
+  const int column = x * picture.width() / box.width / painted.cell, row = y * picture.height() / box.height / painted.cell;
+  const std::string here = read_out(topic, image, column, row);
+  const Image* height = state.height;
+  const bool beside = height && topic != "height" && !here.empty() && height->spec.pixel == Pixel::height16 &&
+                      height->spec.width == image.spec.width && height->spec.height == image.spec.height;
+  if (!beside) return here;
+  const int16_t mm = height->row<int16_t>(row)[column];
+  return here + (mm == height_unknown ? std::string("  height unknown") : format("  %+.2f m over the floor", mm / 1000.0));
 }
 
 }  // namespace

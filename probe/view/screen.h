@@ -12,8 +12,9 @@ namespace vdisp {
 
 struct ScreenState {
   std::vector<CatalogueEntry> entries;
-  int shown = -1;                ///< index into entries
-  const Image* image = nullptr;  ///< the last valid one of the stage shown; null: none yet
+  int shown = -1;                 ///< index into entries
+  const Image* image = nullptr;   ///< the last valid one of the stage shown; null: none yet
+  const Image* height = nullptr;  ///< `height` of about the same frame, valid; null: not there
   Trust trust = Trust::dead;
   Reason reason = Reason::none;
   double age_s = 0;

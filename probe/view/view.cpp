@@ -1,5 +1,5 @@
-// view.cpp: vdisp-probe view: pages through the stages; only the stage shown is subscribed, so only it is computed.
-// SPDX-License-Identifier: Apache-2.0
+// view.cpp: vdisp-probe view: pages through the stages; only the stage shown is subscribed, and beside pictures the height, so only they
+// are computed. SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
 #include <algorithm>
@@ -49,6 +49,7 @@ class Viewer {
   void draw(Clock::time_point now) {
     if (now > message_until_) state_.message.clear();
     state_.image = kept_.get();
+    state_.height = kept_height_.get();
     state_.mouse_x = window_.mouse_x();
     state_.mouse_y = window_.mouse_y();
     window_.show(draw_screen(state_, window_.width(), window_.height()));
@@ -114,6 +115,7 @@ class Viewer {
     if (topic_ >= 0) client_.unsubscribe(topic_);
     topic_name_ = name_of(entry);
     topic_ = client_.subscribe(topic_name_);
+    follow_height(entry);
     kept_.drop();
     seen_ready_ns_ = 0;
     state_.image = nullptr;
@@ -121,6 +123,17 @@ class Viewer {
     state_.frozen = false;
     state_.trust = Trust::stale;
     changed_ = true;
+  }
+
+  /// Of pictures of its size `height` tells what lies under the cursor.
+  void follow_height(const CatalogueEntry& shown) {
+    kept_height_.drop();
+    const bool needed = topic_name_ != "height" && std::any_of(state_.entries.begin(), state_.entries.end(), [&](const CatalogueEntry& e) {
+                          return name_of(e) == "height" && e.spec.width == shown.spec.width && e.spec.height == shown.spec.height;
+                        });
+    if (!needed && height_ >= 0) client_.unsubscribe(height_);
+    if (!needed) height_ = -1;
+    if (needed && height_ < 0) height_ = client_.subscribe("height");
   }
 
   /// The daemon may have come back with another tree: the stage shown is found again by its name.
@@ -156,7 +169,22 @@ class Viewer {
     changed_ = true;
     const bool record = reading.image->spec.pixel == Pixel::record;
     if (record || reading.image->valid()) kept_.keep(*reading.image);
+    if (height_ >= 0) keep_height();
     measure_rate(*reading.image);
+  }
+
+  /// A frame more or less is no matter to the eye; a height of long ago is.
+  void keep_height() {
+    constexpr uint64_t near = 5;  // frames
+    const Reading reading = client_.latest(height_);
+    const Image *height = reading.image, *shown = kept_.get();
+    const bool same = height && shown && height->valid() && height->epoch == shown->epoch && height->sequence + near >= shown->sequence &&
+                      height->sequence <= shown->sequence + near;
+    if (same) {
+      kept_height_.keep(*height);
+    } else {
+      kept_height_.drop();
+    }
   }
 
   /// Frames per second from the numbers of the frames: the display itself may skip some.
@@ -193,8 +221,8 @@ class Viewer {
   Client& client_;
   Window window_;
   ScreenState state_;
-  KeptImage kept_;
-  Client::Topic topic_ = -1;
+  KeptImage kept_, kept_height_;
+  Client::Topic topic_ = -1, height_ = -1;
   std::string topic_name_;
   int64_t seen_ready_ns_ = 0;
   bool quit_ = false, changed_ = true;

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "daemon/stages/occupancy.h"
+#include "daemon/stages/show_scene.h"
 #include "daemon/stages/surfaces.h"
 #include "tests/support/picture.h"
 
@@ -218,6 +219,37 @@ TEST_F(PlaneFloorTest, a_floor_out_of_sight_is_held_as_long_as_told) {
   EXPECT_TRUE(floor[1]->image().flags & flag_held);
   EXPECT_EQ(find(600), Outcome::invalid);
   EXPECT_EQ(reason(), Reason::no_floor);
+}
+
+TEST_F(PlaneFloorTest, the_scene_shows_free_ground_obstacles_and_horizon_where_they_are_seen) {
+  see(with_wall(ground(high), 2.55, 0.5, -0.4, 0.4));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  const auto show = [&] {
+    ShowScene scene(config);
+    std::vector<std::unique_ptr<Picture>> shown;
+    EXPECT_EQ(run_stage(scene, {&left, over[1].get(), ground_map[0].get(), floor[1].get()}, shown), Outcome::valid);
+    return std::move(shown.at(0));
+  };
+  left.image().camera = over[1]->image().camera;
+  auto picture = show();
+  const auto at = [&](double right, double up, double ahead) {  // pixel of a place over the ground
+    const Point c = camera({right, high - up, ahead}, pitch);
+    const int u = static_cast<int>(std::lround(view.cx + view.f * c.x / c.z)),
+              v = static_cast<int>(std::lround(view.cy + view.f * c.y / c.z));
+    return &picture->at<uint8_t>(v, 3 * u);
+  };
+  const auto* free = at(0.25, 0, 1.45);
+  EXPECT_GT(free[1], free[0] + 20) << "green";
+  const auto* wall = at(0.1, 0.4, 2.55);
+  EXPECT_GT(wall[0], wall[1] + 20) << "red";
+  const auto* hidden = at(0.1, 0, 2.95);
+  EXPECT_GE(hidden[0] + 5, hidden[1]) << "behind the wall nothing is free";
+  const auto* horizon = &picture->at<uint8_t>(static_cast<int>(std::floor(model().b + 0.5)), 3 * 40);
+  EXPECT_GT(horizon[0], horizon[2] + 50) << "yellow";
+  floor[1]->image().flags |= flag_held;
+  picture = show();
+  EXPECT_EQ(picture->at<uint8_t>(static_cast<int>(std::floor(model().b + 0.5)), 3 * 18), 100) << "a held floor has broken lines";
 }
 
 /// A rover with an IMU that nods on level ground, 30 frames a second.

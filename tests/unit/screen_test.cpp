@@ -77,6 +77,21 @@ TEST_F(Screen, value_under_a_resting_cursor_follows_the_image) {
   EXPECT_TRUE(foot_differs);
 }
 
+TEST_F(Screen, the_height_over_the_floor_is_told_beside_a_picture_of_its_size) {
+  state_.mouse_x = 200;
+  state_.mouse_y = 200;
+  const Picture without = draw_screen(state_, 700, 500);
+  BufferOutlet right({Pixel::height16, 0, 64, 48}), other({Pixel::height16, 0, 32, 24});
+  for (int y = 0; y < 48; ++y) std::fill_n(right.loan().row<int16_t>(y), 64, int16_t{1234});
+  state_.height = &right.loan();
+  const Picture with = draw_screen(state_, 700, 500);
+  EXPECT_FALSE(same(without, with));
+  for (int y = 0; y < 48; ++y) std::fill_n(right.loan().row<int16_t>(y), 64, height_unknown);
+  EXPECT_FALSE(same(draw_screen(state_, 700, 500), with));
+  state_.height = &other.loan();
+  EXPECT_TRUE(same(draw_screen(state_, 700, 500), without));
+}
+
 TEST_F(Screen, blind_stale_dead_and_fresh_look_different_and_frozen_says_so) {
   std::vector<Picture> pages;
   for (Trust trust : {Trust::fresh, Trust::blind, Trust::stale, Trust::dead}) {
