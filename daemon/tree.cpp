@@ -14,6 +14,7 @@
 #include "daemon/stages/odometry_check.h"
 #include "daemon/stages/plane_floor.h"
 #include "daemon/stages/rectify.h"
+#include "daemon/stages/segments.h"
 #include "daemon/stages/show_line.h"
 #include "daemon/stages/show_obstacle.h"
 #include "daemon/stages/show_scene.h"
@@ -50,6 +51,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
 
     // For the eye: run only while somebody looks, and after the map.
     driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
+    driver.add_set({"segments", "segment_obstacles"}, make_unique<Segments>(config), {disparity, even_blind(floor[1])});
     driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
@@ -73,6 +75,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
     driver.add("obstacles", make_unique<ShowSurface>(), {over[1]});
+    driver.add_set({"segments", "segment_obstacles"}, make_unique<Segments>(config), {disparity, even_blind(floor[1])});
     driver.add("show_scene", make_unique<ShowScene>(config), {left, over[1], ground[0], floor[1]});
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});

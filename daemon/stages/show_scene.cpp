@@ -23,7 +23,8 @@ double marks(double range) { return range <= 12 ? 1 : range <= 60 ? 5 : 10; }
 
 std::vector<ImageSpec> ShowScene::check(std::span<const ImageSpec> in) {
   if (in.size() != 4)
-    throw FormatError("takes the left view, the surface, the occupancy and the floor model, was given " + std::to_string(in.size()) + " images");
+    throw FormatError("takes the left view, the surface, the occupancy and the floor model, was given " + std::to_string(in.size()) +
+                      " images");
   require(in[0], Pixel::gray8, "the left view");
   require(in[1], Pixel::gray8, "the surface");
   require(in[2], Pixel::int8, "the occupancy");

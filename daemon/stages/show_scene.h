@@ -15,7 +15,8 @@ namespace vdisp {
 ///   green          ground of cells that are free
 ///   red            ground of cells that are obstacles or drop-offs; pixels of obstacles, their outline full
 ///   violet         outline of what lies below the floor
-///   white, blue    the local floor at each full metre ahead (each 5 or 10 m where the map reaches far), and the limit over it; dotted: each
+///   white, blue    the local floor at each full metre ahead (each 5 or 10 m where the map reaches far), and the limit over it; dotted:
+///   each
 ///                  full metre aside
 ///   yellow         horizon of the floor's plane
 /// No tint: unknown. Where the floor is held, the lines are broken.

@@ -1,5 +1,5 @@
-// view.cpp: vdisp-probe view: pages through the stages; only the stage shown is subscribed, and beside pictures the height, so only they
-// are computed. SPDX-License-Identifier: Apache-2.0
+// view.cpp: vdisp-probe view: pages through the stages; what is shown is subscribed, and the height beside it: only they are computed.
+// SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
 #include <algorithm>
