@@ -82,7 +82,7 @@ class Renderer final : public Simulator {
         scene_(std::move(scene)),
         tracer_(std::move(tracer)),
         calibration_(make_calibration(parameters)),
-        textures_(make_textures(seed_)),
+        textures_(make_textures(seed_, parameters.floor == "tiles")),
         objects_(tabulate(scene_, parameters, seed_)),
         light_(bake(scene_, *tracer_, textures_)),
         shader_(choose_shader()),
@@ -144,6 +144,7 @@ class Renderer final : public Simulator {
     look.slope_start = scene_.terrain().rise() != 0 ? static_cast<float>(Ground::slope_start) : far_away;
     look.meshed = scene_.terrain().meshed();
     look.pixel = static_cast<float>(1 / calibration_.view.f);
+    if (parameters_.floor == "tiles") look.coarse = 0;
     look.sun_x = static_cast<float>(to_sun.x);
     look.sun_y = static_cast<float>(to_sun.y);
     look.sun_z = static_cast<float>(to_sun.z);

@@ -46,8 +46,9 @@ struct Look {
   const uint32_t* texels;
   const ObjectTable* objects;
   const GroundLight* light;
-  bool meshed = false;  ///< the ground is one of the tracer's shapes; rise and slope_start say nothing
-  float covered = -1;   ///< grey level of what is before the lens; negative: nothing is
+  bool meshed = false;   ///< the ground is one of the tracer's shapes; rise and slope_start say nothing
+  float covered = -1;    ///< grey level of what is before the lens; negative: nothing is
+  float coarse = 0.55f;  ///< weight of the ground's second texture, which hides that the first repeats
 };
 
 struct Shader {

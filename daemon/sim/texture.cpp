@@ -71,6 +71,20 @@ void add_joints(Field& field, int width, int height, int joint, float depth, flo
   }
 }
 
+/// Squares of two shades with joints, each like the next but one, and next to no grain: what a matcher takes for its neighbour.
+Field mosaic(uint32_t seed) {
+  constexpr int tile = 16, joint = 2;
+  Field field = fractal(2, 4, seed);
+  level(field, 0.02f);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      const bool between = x % tile < joint || y % tile < joint;
+      field[static_cast<size_t>(y) * size + x] += between ? -0.5f : (x / tile + y / tile) % 2 ? 0.25f : -0.2f;
+    }
+  }
+  return field;
+}
+
 Field surface(Surface which, uint32_t seed) {
   Field field;
   switch (which) {
@@ -114,11 +128,13 @@ std::vector<uint32_t> pack(const std::vector<uint8_t>& values, int side, bool re
   return words;
 }
 
-Textures make_textures(uint32_t seed) {
+Textures make_textures(uint32_t seed, bool tiled) {
   Textures textures;
   textures.texels.reserve(static_cast<size_t>(Textures::words) * surface_count);
   for (int which = 0; which < surface_count; ++which) {
-    Field field = surface(static_cast<Surface>(which), scramble(seed) + static_cast<uint32_t>(which) * 7919u);
+    const uint32_t own = scramble(seed) + static_cast<uint32_t>(which) * 7919u;
+    const bool tiles = tiled && static_cast<Surface>(which) == Surface::gravel;
+    Field field = tiles ? mosaic(own) : surface(static_cast<Surface>(which), own);
     for (int side = size; side >= 1; side /= 2) {
       std::vector<uint8_t> values(static_cast<size_t>(side) * side);
       for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<uint8_t>(std::clamp(127.5f * (1 + field[i]) + 0.5f, 0.0f, 255.0f));

@@ -18,7 +18,8 @@ struct Textures {
   static constexpr int level_start(int level) { return ((1 << (2 * log_size + 2)) - (1 << (2 * log_size + 2 - 2 * level))) / 3; }
   std::vector<uint32_t> texels;  ///< surface by surface, level by level
 };
-Textures make_textures(uint32_t seed);
+/// `tiled`: a mosaic that repeats every 32 texels takes the place of gravel, which is the ground's.
+Textures make_textures(uint32_t seed, bool tiled = false);
 
 /// Packs rows of 8-bit values as above; the border repeats from the other side, or the last value does.
 std::vector<uint32_t> pack(const std::vector<uint8_t>& values, int side, bool repeats);

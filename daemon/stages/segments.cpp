@@ -107,7 +107,8 @@ void Segments::join(const Image& disparity) noexcept {
       const Kind own = kind_[static_cast<size_t>(i)];
       if (own == Kind::none) continue;
       const auto take = [&](int other, int value) {
-        if (kind_[static_cast<size_t>(other)] == own && std::abs(value - d[u]) <= limit) parent_[static_cast<size_t>(root(other))] = root(i);
+        if (kind_[static_cast<size_t>(other)] == own && std::abs(value - d[u]) <= limit)
+          parent_[static_cast<size_t>(root(other))] = root(i);
       };
       if (u > 0) take(i - 1, d[u - 1]);
       if (v > 0) take(i - width, over[u]);

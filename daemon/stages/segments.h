@@ -10,14 +10,15 @@
 
 namespace vdisp {
 
-/// Disparity and FloorModel (which may be blind) to gray8, the number of the segment, 0 none, those beyond 255 again from 1; and mask8, 255 where
-/// the segment is an obstacle.
+/// Disparity and FloorModel (which may be blind) to gray8, the number of the segment, 0 none, those beyond 255 again from 1; and mask8, 255
+/// where the segment is an obstacle.
 ///
 /// "Segment the image in different objects and then check the height and the slope of the objects. If the height or the slope are above a
 /// threshold, the object is considered as an obstacle." A segment is what hangs together, its neighbouring disparities at most SpeckleDiff
 /// apart, flat with flat and steep with steep, and of more than SpeckleSize pixels; height: of an upright
-/// strip whose points scatter as much up and down, against max_height, as lowest and highest point are the matcher's mistakes; slope: of its main axis seen from aside, against maxSlope, as the paper prints no number. No floor is asked: pitch is angRot, the
-/// model's only where that is auto. Nothing reads it: the paper gave it up, as segments join and fall apart.
+/// strip whose points scatter as much up and down, against max_height, as lowest and highest point are the matcher's mistakes; slope: of
+/// its main axis seen from aside, against maxSlope, as the paper prints no number. No floor is asked: pitch is angRot, the model's only
+/// where that is auto. Nothing reads it: the paper gave it up, as segments join and fall apart.
 class Segments final : public ImageProcessor {
  public:
   explicit Segments(const Config& config) : config_(config) {}

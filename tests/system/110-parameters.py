@@ -496,6 +496,13 @@ class Parameters(ProgramTest):
     def test_sim_texture(self):
         self.rises("sim.texture", [0, 0.5, 1], lambda d: d.picture("camera/left")[150:].std(), "sim.noise=0", "sim.scene=empty")
 
+    def test_sim_floor(self):
+        def wrong(dumped):  # pixels that a matcher took for their neighbours
+            found, true = (dumped.picture(stage).astype(int) for stage in ("disparity", "truth/disparity"))
+            return int(((found > 0) & (true > 0) & (abs(found - true) > 24)).sum())
+        gravel, tiles = (wrong(self.dump(f"sim.floor={value}", "sim.scene=empty", "image source.align=none")) for value in ("gravel", "tiles"))
+        self.assertLess(10 * gravel, tiles)
+
     def test_sim_odometry(self):
         blind, told = (self.dump(f"sim.odometry={value}", "sim.scene=drive", frames=3) for value in ("no", "yes"))
         self.assertEqual(blind.json["stages"]["in/odometry"]["reason"], "no_odometry")
