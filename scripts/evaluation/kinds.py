@@ -4,7 +4,7 @@ import numpy as np
 
 import evaluation.geometry as geometry
 from evaluation.simulated import DEGREE, GRID, PAPER, mean, percentile, recall
-from evaluation.truth import BELOW, DROP_OFF, FREE, HIDDEN, OBSTACLE, SceneTruth, compare_found
+from evaluation.truth import BELOW, DROP_OFF, FREE, HIDDEN, OBSTACLE, OUTSIDE, SceneTruth, compare_found
 
 SEEDS, OCCUPIED, EMPTY = 50, 65, 35  # occupancy from 65 on is an obstacle, to 35 free
 
@@ -67,6 +67,21 @@ def look_at_edge(found, truth):
     return int(edge.sum()), int((edge & geometry.wider(found)).sum())
 
 
+def beyond_edge(truth):
+    """Cells that lie over a drop-off, and what its walls hide. Where the near edge is close, its bottom lies below the picture's lower border: the truth
+    calls these cells outside, but the ground ends there all the same."""
+    if not truth.drop:
+        return np.zeros_like(truth.ground)
+    (x0, z0), (x1, z1) = truth.drop["left"], truth.drop["right"]
+    x = (np.arange(GRID.columns) + 0.5 - GRID.columns / 2) * GRID.cell
+    z = (GRID.rows - 0.5 - np.arange(GRID.rows)) * GRID.cell
+    length = np.hypot(x1 - x0, z1 - z0)
+    past = ((x1 - x0) * (z[:, None] - z0) - (z1 - z0) * (x[None, :] - x0)) / length
+    along = ((x1 - x0) * (x[None, :] - x0) + (z1 - z0) * (z[:, None] - z0)) / length
+    over = (past >= 0) & (along >= 0) & (along <= length) & (past <= (truth.drop["across"] or np.inf))
+    return (truth.kind == HIDDEN) | (over & (truth.kind == OUTSIDE))
+
+
 def all_near(mask):
     """Cells whose eight neighbours are in the mask as well."""
     return ~geometry.wider(~mask)
@@ -75,7 +90,7 @@ def all_near(mask):
 def look_at_kind(frame):
     truth, floor = SceneTruth(frame, GRID), frame.floor
     known = floor["state"] in ("found", "held") and floor["pitch_rad"] is not None
-    drop = np.isin(truth.kind, (DROP_OFF, BELOW)) | ((truth.kind == HIDDEN) & bool(truth.drop))
+    drop = np.isin(truth.kind, (DROP_OFF, BELOW)) | beyond_edge(truth)
     look = {"frame": str(frame.folder), "state": floor["state"],
             "pitch_error": abs(floor["pitch_rad"] - truth.pitch) / DEGREE if known else None,
             "height_error": 100 * abs(floor["height_m"] / truth.height - 1) if known else None}
