@@ -1,4 +1,4 @@
-// occupancy.cpp: obstacles counted by cell, each cell looked up in the image, and both joined.
+// occupancy.cpp: obstacles counted by cell, each cell looked up in the image, and both joined; where the ground ends: drop_offs.cpp.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/occupancy.h"
 
@@ -13,16 +13,11 @@ constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1
 constexpr int occupied = occupied_from;
 constexpr int least_weak = 50;                                              // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
-constexpr double uneven_of_step = 0.4;                    // a cell's floor may be this part of max_height lower than the local floor
-constexpr double hole_of_step = 0.75;                     // what is this part of max_height lower than the floor would go on is a drop-off
-constexpr double visible_by = 0.09, beside_slope = 0.05;  // rad, m
-constexpr int least_hole = 4;                             // samples
-constexpr double depth_off = 1.0, depth_share = 0.03;     // px, and of the disparity: as deep as the cell
-constexpr int dark = 14, bright = 250;                    // grey levels
-constexpr int floor_leads = 3;                            // cells: floor no farther than this before a drop-off leads up to it
-constexpr int slope_cells = 5;                            // that the ground's slope before a drop-off is taken from
-constexpr int hidden_cells = 4, least_hidden = 2;         // of a drop-off: cells looked at, and through which what is lower is seen
-constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
+constexpr double uneven_of_step = 0.4;                 // a cell's floor may be this part of max_height lower than the local floor
+constexpr double hole_of_step = 0.75;                  // what is this part of max_height lower than the floor would go on is a drop-off
+constexpr int least_hole = 4;                          // samples
+constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
+constexpr int dark = 14, bright = 250;                 // grey levels
 
 CellReason reason_of(uint8_t code) {
   switch (static_cast<Rejected>(code)) {
@@ -136,9 +131,10 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
       ++tally.all;
       const auto what = static_cast<kernels::Surface>(surface[u]);
       if (what == kernels::Surface::none) {
-        const CellReason why = grey[u] < dark      ? CellReason::too_dark
-                               : grey[u] >= bright ? CellReason::too_bright
-                                                   : reason_of(rejected_code(d[u]));
+        const CellReason why = grey[u] < dark                ? CellReason::too_dark
+                               : grey[u] >= bright           ? CellReason::too_bright
+                               : height[u] != height_unknown ? CellReason::occluded  // upright, and its foot is hidden
+                                                             : reason_of(rejected_code(d[u]));
         ++tally.why[static_cast<size_t>(why)];
       } else if (d[u] > most) {
         ++tally.nearer;
@@ -148,6 +144,7 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
         const double true_d = d[u] / 16.0 - in.view.cx_offset,
                      ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
         ++tally.beyond;
+        tally.wall += what == kernels::Surface::below && height[u] > -1000 * hole_of_step * config_.limit.max_height;
         tally.height += height[u] / 1000.0 + in.floor.elevation(ahead);
         tally.ahead += ahead;
       } else {
@@ -194,7 +191,8 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   }
   if (risk >= least_weak) return say(risk, CellReason::obstacle);
   if (tally.beyond >= least_hole && tally.beyond >= least_beyond * all)
-    beyond_[cell] = {static_cast<float>(tally.height / tally.beyond), static_cast<float>(tally.ahead / tally.beyond)};
+    beyond_[cell] = {static_cast<float>(tally.height / tally.beyond), static_cast<float>(tally.ahead / tally.beyond),
+                     2 * tally.wall > tally.beyond};
   if (overhangs_[cell] >= config_.map.minCount && tally.all == 0) return say(-1, CellReason::overhang);
   if (tally.all == 0) return say(-1, CellReason::out_of_view);
   if (where.d_far > in.nearest) return say(-1, CellReason::too_near);
@@ -222,43 +220,6 @@ void Occupancy::shade(const Inputs& in, Image& occupancy, Image& reason) const n
         reason.row<uint8_t>(row)[column] = static_cast<uint8_t>(CellReason::occluded);
         break;
       }
-    }
-  }
-}
-
-void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) const noexcept {
-  const double cell = config_.map.cell, least = hole_of_step * config_.limit.max_height;
-  for (int column = 0; column < columns_; ++column) {
-    int last_floor = -1;
-    for (int row = rows_ - 1; row >= 0; --row) {
-      uint8_t& why = reason.row<uint8_t>(row)[column];
-      if (why == static_cast<uint8_t>(CellReason::floor)) last_floor = row;
-      const Beyond& seen = beyond_[static_cast<size_t>(row * columns_ + column)];
-      if (seen.ahead <= 0 || last_floor < 0 || last_floor - row > floor_leads) continue;
-      const double edge = (rows_ - last_floor - 0.5) * cell, here = in.floor.elevation(edge);
-      const double slope = std::min((here - in.floor.elevation(edge - slope_cells * cell)) / (slope_cells * cell), 0.0);
-      // A slope falls away gradually, as far as it can be seen at all: 5 degrees less steep than the line of sight.
-      const double sight = std::atan2(in.pose.height - here, edge),
-                   steepest = std::tan(std::min(config_.floor.maxSlope, sight - visible_by));
-      const double past = (last_floor - row - 0.5) * cell, tangent = std::tan(sight);
-      const double of_slope = steepest > 0 ? past * tangent * steepest / (tangent - steepest) + beside_slope : 0;
-      const auto is_deep = [&](int r, double at_least) {
-        const Beyond& through = beyond_[static_cast<size_t>(r * columns_ + column)];
-        return through.ahead > 0 &&
-               here + slope * (static_cast<double>(through.ahead) - edge) - static_cast<double>(through.height) >= at_least;
-      };
-      if (!is_deep(row, std::max(least, of_slope))) continue;
-      // What is lower lies behind a hidden stretch, seen through all the cells there; one false match is seen through one.
-      int deep = 0;
-      for (int r = row; r > std::max(row - hidden_cells, -1); --r) deep += is_deep(r, least);
-      if (deep < least_hidden) continue;
-      for (int r = row; r > std::max(row - edge_cells, -1); --r) {
-        uint8_t& edge_why = reason.row<uint8_t>(r)[column];
-        if (edge_why == static_cast<uint8_t>(CellReason::obstacle)) break;
-        occupancy.row<int8_t>(r)[column] = 100;
-        edge_why = static_cast<uint8_t>(CellReason::drop_off);
-      }
-      last_floor = -1;
     }
   }
 }

@@ -21,7 +21,8 @@ namespace vdisp {
 /// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
-/// lies lower than the floor would go on, a drop-off begins; what is none of this is unknown.
+/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in the next column too; what is none
+/// of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -31,7 +32,7 @@ class Occupancy final : public ImageProcessor {
  private:
   static constexpr int most_samples = 6;  // of a cell, each way
   struct Tally {
-    int all = 0, floor = 0, nearer = 0, beyond = 0;
+    int all = 0, floor = 0, nearer = 0, beyond = 0, wall = 0;
     double height = 0, ahead = 0;  // of what is beyond: sums, m over the plane and along the ground
     std::array<int, cell_reasons> why{};
   };
@@ -42,9 +43,11 @@ class Occupancy final : public ImageProcessor {
     PlanePose pose;
     double nearest;  // true disparity, px, beyond which nothing is matched
   };
-  /// What is seen through a cell: m over the plane, and m along the ground. ahead = 0: nothing.
+  /// What is seen through a cell: m over the plane, and m along the ground; ahead = 0: nothing. `wall`: the far side of a ditch, hardly
+  /// lower.
   struct Beyond {
     float height, ahead;
+    bool wall;
   };
   struct Box {
     double left, right, top, bottom, d_far, d_near;  // px

@@ -28,6 +28,7 @@ std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
   const size_t columns = 16 * static_cast<size_t>(config_.image_source.ndisp) + 64;
   inverse_.assign(columns, 0.0f);
   profile_.assign(columns, 0.0f);
+  upright_.prepare(in[0]);
   const uint16_t width = in[0].width, height = in[0].height;
   return {{Pixel::height16, 0, width, height},
           {Pixel::gray8, 0, width, height},
@@ -66,6 +67,7 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
                                         height_unknown, rejected(Rejected::matcher)});
     }
   });
+  upright_.mark(disparity, model, out);
   return Outcome::valid;
 }
 

@@ -6,6 +6,7 @@
 #include "daemon/core/processor.h"
 #include "daemon/kernels/aligned.h"
 #include "daemon/stages/machine.h"
+#include "daemon/stages/upright.h"
 
 namespace vdisp {
 
@@ -16,16 +17,18 @@ namespace vdisp {
 ///   disparity16  those of overhangs
 ///
 /// A pixel with the true disparity d' lies H (1 - d_floor / d') over the plane of a camera H high, with d_floor what the plane has there:
-/// for both points of a ray, distances over the plane and depths are in proportion.
+/// for both points of a ray, distances over the plane and depths are in proportion. What stands upright is looked for besides (Upright): no
+/// part of it is floor.
 class Surfaces final : public ImageProcessor {
  public:
-  Surfaces(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
+  Surfaces(Machine& machine, const Config& config) : machine_(machine), config_(config), upright_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
   Machine& machine_;
   const Config& config_;
+  Upright upright_;
   kernels::Aligned<float> inverse_, profile_;  // kernels::HeightTables
 };
 

@@ -41,6 +41,34 @@ Scene with_wall(const Scene& scene, double ahead, double top, double left = -10,
   };
 }
 
+/// Ground that is level up to `edge` m ahead and then falls so steeply that nothing of it is seen; what stands there is seen over the edge.
+Scene brow(double edge) {
+  return [=](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double z = h.y > 1e-6 ? high / h.y : 0;
+    return h.z * z < edge ? z : 0;
+  };
+}
+
+/// Level ground with a ditch from `near` to `far` m ahead, too deep to see its bottom.
+Scene ditch(double near, double far) {
+  const Scene flat = ground(high);
+  return [=](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double z = flat(ray), ahead = h.z * z;
+    return z > 0 && ahead > near && ahead < far ? far / h.z : z;
+  };
+}
+
+/// A wall `ahead` m away that reaches from `bottom` to `top` m over the level of the floor, seen where the ground is not nearer.
+Scene with_wall_from(const Scene& scene, double ahead, double bottom, double top, double half_width) {
+  return [=](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double z = ahead / h.z, up = high - h.y * z, behind = scene(ray);
+    return up > bottom && up < top && std::abs(h.x * z) < half_width && (behind == 0 || z < behind) ? z : behind;
+  };
+}
+
 struct PlaneFloorTest : testing::Test {
   Config config;
   Machine machine;
@@ -162,6 +190,73 @@ TEST_F(PlaneFloorTest, a_wall_is_an_obstacle_and_hides_what_lies_behind_it) {
   }
   EXPECT_EQ(why(0.5, 0), CellReason::out_of_view);
   EXPECT_EQ(why(4, 2.4), CellReason::out_of_view);
+}
+
+// Its top is 0.1 m over where the floor would go on: by its height it would be a hole, floor and floor again.
+TEST_F(PlaneFloorTest, what_stands_beyond_a_brow_is_an_obstacle_and_neither_floor_nor_a_drop_off) {
+  see(with_wall_from(brow(2.3), 3.25, -0.5, 0.1, 0.4));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  EXPECT_EQ(why(2, 0), CellReason::floor);
+  EXPECT_GE(risk(3.25, 0), 65);
+  EXPECT_EQ(why(3.25, 0), CellReason::obstacle);
+  for (double ahead = 2.45; ahead < 3.1; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead;
+  for (double ahead = 3.4; ahead < 4.5; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead;
+}
+
+TEST_F(PlaneFloorTest, what_rises_less_than_max_height_beyond_a_brow_is_unknown) {
+  see(with_wall_from(brow(2.3), 3.25, -0.5, -0.12, 0.4));  // 0.14 m of it are seen
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  for (double ahead = 2.45; ahead < 4.5; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead;
+}
+
+TEST_F(PlaneFloorTest, a_ditch_is_a_drop_off_with_nothing_free_in_it_and_floor_behind) {
+  for (double far : {2.95, 3.55}) {
+    stage.reset();
+    see(ditch(2.3, far));
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    EXPECT_EQ(why(2, 0), CellReason::floor);
+    int edge = 0;
+    for (double ahead = 2.25; ahead < 2.6; ahead += 0.1) edge += why(ahead, 0) == CellReason::drop_off && risk(ahead, 0) >= 65;
+    EXPECT_GT(edge, 0) << far;
+    for (double ahead = 2.45; ahead < far; ahead += 0.1) EXPECT_TRUE(risk(ahead, 0) < 0 || risk(ahead, 0) >= 65) << far << ", " << ahead;
+    EXPECT_EQ(why(far + 0.4, 0), CellReason::floor) << far;
+  }
+}
+
+// A step that the rover climbs is floor, also where it is upright.
+TEST_F(PlaneFloorTest, an_upright_step_lower_than_max_height_is_no_obstacle) {
+  see(with_wall(ground(high), 2.55, 0.15, -0.4, 0.4));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  EXPECT_LT(risk(2.55, 0), 65);
+}
+
+TEST_F(PlaneFloorTest, one_column_of_what_is_lower_is_no_drop_off) {
+  const auto with_hole = [](double half_width) {
+    return [=](const Point& ray) {
+      const Point h = horizontal(ray, pitch);
+      const double z = ground(high)(ray), ahead = h.z * z;
+      return z > 0 && ahead > 2.3 && ahead < 3.2 && std::abs(h.x * z) < half_width ? 1.6 * z : z;
+    };
+  };
+  const auto drop_offs = [&] {
+    int cells = 0;
+    for (int row = 0; row < 50; ++row)
+      for (int column = 0; column < 51; ++column)
+        cells += ground_map[1]->at<uint8_t>(row, column) == static_cast<uint8_t>(CellReason::drop_off);
+    return cells;
+  };
+  see(with_hole(0.045));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  EXPECT_EQ(drop_offs(), 0);
+  see(with_hole(0.5));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  EXPECT_GT(drop_offs(), 5);
 }
 
 TEST_F(PlaneFloorTest, the_same_object_counts_the_same_near_and_far) {
