@@ -9,7 +9,9 @@ namespace vdisp {
 namespace {
 
 constexpr double object_of_step = 0.5;  // the least object is this part of max_height higher than max_height
-constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1 - 1 / e
+constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1 - 1 / e, where floor is seen beside them
+constexpr double share_alone = 0.06;    // the same where none is
+constexpr double least_part = 0.15;     // of the least object, that is taken to be inside the picture
 constexpr int occupied = occupied_from;
 constexpr int least_weak = 50;                                              // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
@@ -154,9 +156,19 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
   }
 }
 
+/// Of the least object what lies inside the part of the picture that can be matched.
 double Occupancy::expected(const Inputs& in, const Box& box) const noexcept {
   const double per_metre = (box.d_far + box.d_near) / 2 / in.view.baseline;  // px
-  return config_.map.cell * per_metre * object_of_step * config_.limit.max_height * per_metre;
+  const double step = config_.limit.max_height * per_metre, tall = object_of_step * step, wide = config_.map.cell * per_metre;
+  const auto inside = [](double first, double last, double from, double to) {
+    return std::max(std::min(last, to) - std::max(first, from), 0.0) / std::max(last - first, 1e-6);
+  };
+  const int reach = config_.image_source.corrsize / 2;
+  const double bottom = (box.top + box.bottom) / 2 - step;
+  const double part = inside(box.left, box.right, in.disparity.camera.min_disparity + in.disparity.camera.disparities - 1 + reach,
+                             in.disparity.spec.width - reach) *
+                      inside(bottom - tall, bottom, reach, in.disparity.spec.height - reach);
+  return wide * tall * std::max(part, least_part);
 }
 
 int Occupancy::seen(int row, int column) const noexcept {
@@ -178,13 +190,16 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   const size_t cell = static_cast<size_t>(row * columns_ + column);
   beyond_[cell] = {};
   const int own = obstacles_[cell], around = seen(row, column);
+  const double all = std::max(tally.all, 1);
   int risk = 0;
   // Of three cells in a row those that hold a fair part have all of it; one at the rim of an obstacle has what is its own.
   const int counted = 3 * own >= around ? around : own;
-  if (own >= config_.map.minCount && where.d_near > 0)
-    risk = static_cast<int>(100 * (1 - std::exp(-counted / (share_for_e * std::max(expected(in, where), 1.0)))));
+  if (own >= config_.map.minCount && where.d_near > 0) {
+    // Few pixels that stand where no floor is seen are all there is to see; among floor they may be false.
+    const double share = share_alone + (share_for_e - share_alone) * std::min(1.0, tally.floor / all / sure_floor);
+    risk = static_cast<int>(100 * (1 - std::exp(-counted / (share * std::max(expected(in, where), 1.0)))));
+  }
   if (risk >= occupied) return say(risk, CellReason::obstacle);
-  const double all = std::max(tally.all, 1);
   if (tally.floor >= least_floor * all && tally.all > 0) {
     const int floor = static_cast<int>(40 * (1 - std::min(1.0, tally.floor / all / sure_floor)));
     return say(std::max(floor, risk), CellReason::floor);

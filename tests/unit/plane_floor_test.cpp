@@ -272,6 +272,36 @@ TEST_F(PlaneFloorTest, the_same_object_counts_the_same_near_and_far) {
   EXPECT_NEAR(risks[0], risks[1], 10);
 }
 
+// A wall of which one pixel in sixteen is matched, and as many false ones over ground that is seen.
+TEST_F(PlaneFloorTest, few_pixels_that_stand_where_no_floor_is_seen_are_an_obstacle_and_among_floor_are_none) {
+  see(with_wall(ground(high), 2.505, 0.5, -0.3, 0.3));
+  ASSERT_EQ(find(), Outcome::valid);
+  const auto on_wall = [](double z) { return std::abs(z - 2.505) < 0.05; };
+  disparity.fill<int16_t>([&](int v, int u) {
+    const Point ray{(u - view.cx) / view.f, (v - view.cy) / view.f, 1}, h = horizontal(ray, pitch);
+    const double z = with_wall(ground(high), 2.505, 0.5, -0.3, 0.3)(ray), ahead = h.z * z, up = high - h.y * z;
+    const bool told = v % 4 == 0 && u % 4 == 0;
+    if (on_wall(ahead) && up > 0.02 && !told) return rejected(Rejected::not_unique);
+    // 1.55 m ahead, as if something stood there 0.3 m high.
+    const bool false_match = told && std::abs(ahead - 1.55) < 0.05 && std::abs(h.x * z) < 0.5;
+    return static_cast<int16_t>(z > 0 ? std::lround(16 * view.disparity(false_match ? 0.75 * z : z)) : rejected(Rejected::low_texture));
+  });
+  map();
+  EXPECT_GE(risk(2.55, 0), 65);
+  EXPECT_LT(risk(1.55, 0), 35);
+  EXPECT_LT(risk(1.15, 0), 65);
+}
+
+TEST_F(PlaneFloorTest, of_what_stands_at_the_rim_of_the_picture_the_part_inside_counts) {
+  // What can be matched begins at column 68: -0.65 m at 2 m.
+  see(with_wall(ground(high), 2.05, 0.25, -10, -0.52));
+  ASSERT_EQ(find(), Outcome::valid);
+  disparity.fill<int16_t>(
+      [&](int v, int u) { return u < 68 || v % 2 ? rejected(Rejected::outside) : disparity.at<int16_t>(v, u); });
+  map();
+  EXPECT_GE(std::max(risk(2.05, -0.6), risk(2.15, -0.6)), 65);
+}
+
 TEST_F(PlaneFloorTest, what_hangs_higher_than_the_clearance_is_not_in_the_way) {
   config.limit.clearance = 1;
   const Scene flat = ground(high);
