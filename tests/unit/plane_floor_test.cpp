@@ -296,8 +296,7 @@ TEST_F(PlaneFloorTest, of_what_stands_at_the_rim_of_the_picture_the_part_inside_
   // What can be matched begins at column 68: -0.65 m at 2 m.
   see(with_wall(ground(high), 2.05, 0.25, -10, -0.52));
   ASSERT_EQ(find(), Outcome::valid);
-  disparity.fill<int16_t>(
-      [&](int v, int u) { return u < 68 || v % 2 ? rejected(Rejected::outside) : disparity.at<int16_t>(v, u); });
+  disparity.fill<int16_t>([&](int v, int u) { return u < 68 || v % 2 ? rejected(Rejected::outside) : disparity.at<int16_t>(v, u); });
   map();
   EXPECT_GE(std::max(risk(2.05, -0.6), risk(2.15, -0.6)), 65);
 }
