@@ -45,6 +45,7 @@ constexpr double real_or(const char*) { return word_given; }
 struct Config {
   main_section main;
   image_source_section image_source;
+  camera_section camera;
   mounting_section mounting;
   floor_section floor;
   limit_section limit;

@@ -23,6 +23,8 @@
 namespace vdisp {
 namespace {
 
+constexpr int longest_wait_ms = 100;  // for a pair: heartbeat and control socket wait as long
+
 volatile std::sig_atomic_t stop_asked = 0;
 
 /// One run: everything is built in the constructor, which may throw; after it nothing allocates, but for the dump.
@@ -55,6 +57,10 @@ class Run {
     int64_t due = monotonic_ns();
     while (!stop_asked) {
       serve();
+      if (!source_->wait(longest_wait_ms)) {
+        driver_.beat();
+        continue;
+      }
       if (driver_.step() == Outcome::end) {
         if (!source_->fault().empty()) log::warn("{}", source_->fault());
         break;
@@ -100,6 +106,7 @@ class Run {
 
   /// What came by the control socket, between two frames.
   void serve() {
+    for (std::string line; source_->news(line);) log::info("{}", line);
     if (!control_ || !control_->serve(driver_.steps())) return;
     driver_.set_config_generation(control_->generation());
     log::set_level(config_.main.debug);

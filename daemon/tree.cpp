@@ -3,6 +3,7 @@
 #include "daemon/tree.h"
 
 #include "daemon/control/republish.h"
+#include "daemon/sources/camera_report.h"
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/floor.h"
 #include "daemon/stages/fused_map.h"
@@ -30,6 +31,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   const auto calibration = stereo.calibration();
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+  if (stereo.cameras()) driver.add("camera/status", make_unique<CameraReport>(stereo), {}, Need::always);
   const auto in = driver.add_set({std::begin(input_topics), std::end(input_topics)},
                                  make_unique<Republish>(
                                      inputs, [&stereo] { return stereo.odometry(); }, [&stereo] { return stereo.imu(); }),

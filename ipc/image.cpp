@@ -27,6 +27,9 @@ std::string_view name(Reason reason) {
     case Reason::no_imu: return "no_imu";
     case Reason::no_drive: return "no_drive";
     case Reason::no_event: return "no_event";
+    case Reason::no_camera: return "no_camera";
+    case Reason::unpaired: return "unpaired";
+    case Reason::bad_frames: return "bad_frames";
     case Reason::count: break;
   }
   return "unknown";
@@ -51,6 +54,9 @@ std::string_view describe(Reason reason) {
     case Reason::no_imu: return "nothing came in time from an IMU";
     case Reason::no_drive: return "nobody told in time what the rover is to do";
     case Reason::no_event: return "no event lately";
+    case Reason::no_camera: return "a camera is not there, or does not open";
+    case Reason::unpaired: return "left and right frames were not taken at the same time";
+    case Reason::bad_frames: return "frames come incomplete or damaged";
     case Reason::count: break;
   }
   return "a reason this version does not know";

@@ -95,6 +95,9 @@ enum class Reason : uint32_t {
   no_imu,          ///< in/imu: likewise
   no_drive,        ///< in/drive: likewise
   no_event,        ///< in/event: likewise
+  no_camera,       ///< a camera is not there, or does not open
+  unpaired,        ///< left and right deliver, and no two frames belong together
+  bad_frames,      ///< frames come incomplete or damaged
   count            ///< number of reasons, not one of them
 };
 /// One word for files, one phrase for people.

@@ -12,6 +12,7 @@
 #include "config/config.h"
 #include "daemon/core/driver.h"
 #include "daemon/geometry/calibration.h"
+#include "ipc/records.h"
 
 namespace vdisp {
 
@@ -27,6 +28,12 @@ class StereoSource : public ImageSource {
   /// What was wrong with the last pair, or why a recording ended early: file and what, in one line. Empty where nothing was.
   /// Valid until the next grab(); a good pair costs no allocation.
   virtual std::string_view fault() const noexcept { return {}; }
+  /// Waits at most that long for the next pair. True: a step makes sense: there is one, or its time is over. Not from grab().
+  virtual bool wait(int) noexcept { return true; }
+  /// What the cameras deliver, where there are any; valid until the next grab(). Header not filled in.
+  virtual const CameraStatus* cameras() const noexcept { return nullptr; }
+  /// A line that the operator should read: a camera opened, lost, back. False: there is none.
+  virtual bool news(std::string&) { return false; }
   /// Where the rover was when the last pair was taken, for a source that knows: from open() on never null then, x NaN where this pair has
   /// no pose. Header, age and tally are not filled in.
   virtual const Odometry* odometry() const noexcept { return nullptr; }
