@@ -23,7 +23,9 @@ CameraFeed::CameraFeed(std::unique_ptr<Camera> camera, int side, FrameTaker& tak
 
 CameraFeed::~CameraFeed() { stop(); }
 
-void CameraFeed::start() { thread_ = std::thread([this] { run(); }); }
+void CameraFeed::start() {
+  thread_ = std::thread([this] { run(); });
+}
 
 void CameraFeed::stop() {
   {

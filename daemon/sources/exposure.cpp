@@ -8,10 +8,10 @@
 namespace vdisp {
 namespace {
 
-constexpr int apart = 4;                      // px: enough to measure by
+constexpr int apart = 4;  // px: enough to measure by
 constexpr double shortest_us = 20;
-constexpr double most_at_once = 4;            // times: a level near 0 or 255 does not tell how far away it is
-constexpr double over_exposed_share = 0.25;   // of the view: then its mean tells too little
+constexpr double most_at_once = 4;           // times: a level near 0 or 255 does not tell how far away it is
+constexpr double over_exposed_share = 0.25;  // of the view: then its mean tells too little
 
 }  // namespace
 
@@ -32,7 +32,9 @@ Brightness brightness_of(const Image& view) noexcept {
   }
   Brightness found;
   if (floor > 0) found.floor_mean = static_cast<double>(sum) / static_cast<double>(floor);
-  if (all > 0) found.dark = static_cast<double>(dark) / static_cast<double>(all), found.bright = static_cast<double>(bright) / static_cast<double>(all);
+  if (all > 0)
+    found.dark = static_cast<double>(dark) / static_cast<double>(all),
+    found.bright = static_cast<double>(bright) / static_cast<double>(all);
   return found;
 }
 

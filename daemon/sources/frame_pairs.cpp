@@ -8,8 +8,8 @@
 namespace vdisp {
 namespace {
 
-constexpr int refused_until_believed = 10;   // a clock that went back and stays there
-constexpr int mismatched_until_anew = 5;     // a camera that counts again from 0
+constexpr int refused_until_believed = 10;  // a clock that went back and stays there
+constexpr int mismatched_until_anew = 5;    // a camera that counts again from 0
 
 }  // namespace
 

@@ -65,9 +65,9 @@ class FramePairs {
   int64_t tolerance_ns_;
   PairBy by_;
   std::array<Side, 2> sides_;
-  std::array<int64_t, 2> periods_ns_{};           // from frame to frame, the last one
-  std::optional<int64_t> count_offset_;           // right less left, of frames that belong together
-  int mismatched_ = 0;                            // in a row, by count but not by time
+  std::array<int64_t, 2> periods_ns_{};  // from frame to frame, the last one
+  std::optional<int64_t> count_offset_;  // right less left, of frames that belong together
+  int mismatched_ = 0;                   // in a row, by count but not by time
   std::array<int, 4 * capacity> free_{};
   int free_count_ = 0;
   std::optional<int64_t> apart_ns_;

@@ -197,7 +197,8 @@ Reason LiveSource::why_none() noexcept {
   if (damaged) return Reason::bad_frames;
   if (std::isnan(status_.apart_ms)) return Reason::no_frame;
   char text[200];
-  std::snprintf(text, sizeof text, "right frames are taken %.2f ms after left ones, [camera] tolerance is %.4g ms: trigger the cameras, or allow more",
+  std::snprintf(text, sizeof text,
+                "right frames are taken %.2f ms after left ones, [camera] tolerance is %.4g ms: trigger the cameras, or allow more",
                 status_.apart_ms, config_.camera.tolerance);
   fault_ = text;
   return Reason::unpaired;

@@ -73,8 +73,8 @@ bool RawPixels::unpack_jpeg(const FrameFormat& format, const RawFrame& frame) no
     return false;
   }
   if (found_width != width || found_height != format.height) {
-    problem_ = "a JPEG of " + std::to_string(found_width) + "x" + std::to_string(found_height) + ", needed is " + std::to_string(width) + "x" +
-               std::to_string(format.height);
+    problem_ = "a JPEG of " + std::to_string(found_width) + "x" + std::to_string(found_height) + ", needed is " + std::to_string(width) +
+               "x" + std::to_string(format.height);
     return false;
   }
   jpeg_->gray.resize(static_cast<size_t>(width) * static_cast<size_t>(format.height));
@@ -105,7 +105,8 @@ bool RawPixels::write(const FrameFormat& format, const RawFrame& frame, bool exc
     const ptrdiff_t number = exchanged && views.size() == 2 ? 1 - static_cast<ptrdiff_t>(i) : static_cast<ptrdiff_t>(i);
     const ptrdiff_t start = format.views == FrameViews::by_turns ? number * pixel : number * pixel * format.width;
     const int step = format.views == FrameViews::by_turns ? 2 * pixel : pixel;
-    for (int y = 0; y < view.height; ++y) write_row(format.pixels, bytes + y * stride + start, step, view.width, view.pixels + y * view.stride);
+    for (int y = 0; y < view.height; ++y)
+      write_row(format.pixels, bytes + y * stride + start, step, view.width, view.pixels + y * view.stride);
   }
   return true;
 }

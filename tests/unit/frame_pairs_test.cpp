@@ -124,7 +124,7 @@ TEST(CameraClock, tells_our_time_of_a_clock_that_drifts_within_a_millisecond) {
   for (int64_t i = 0; i < 3000; ++i) {
     const int64_t taken = 1'000'000 * ms + i * frame;
     const int64_t camera = 5 * ms + i * frame + i * frame / 20000;  // 50 ppm fast
-    const int64_t delay = ms + (i * 7919 % 100) * ms / 10;            // 1 to 11 ms on the way
+    const int64_t delay = ms + (i * 7919 % 100) * ms / 10;          // 1 to 11 ms on the way
     const int64_t when = clock.when(camera, taken + delay);
     EXPECT_LE(when, taken + delay);
     if (i > 100) worst = std::max<int64_t>(worst, std::llabs(when - taken - ms));

@@ -7,8 +7,8 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstring>
 #include <cmath>
+#include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <thread>
@@ -237,11 +237,10 @@ TEST(RawPixels, make_gray_of_every_kind) {
     std::vector<uint8_t> bytes;  // of one pixel, or of two for yuyv and uyvy
     uint8_t gray;
   };
-  const std::vector<Case> cases{{FramePixels::gray8, {200}, 200},           {FramePixels::bayer8, {77}, 77},
-                                {FramePixels::gray10, {0xff, 0x03}, 255},   {FramePixels::gray12, {0x00, 0x08}, 128},
-                                {FramePixels::gray16, {0x34, 0x12}, 0x12},  {FramePixels::rgb8, {255, 0, 0}, 77},
-                                {FramePixels::bgr8, {255, 0, 0}, 29},       {FramePixels::yuyv, {90, 1, 90, 2}, 90},
-                                {FramePixels::uyvy, {1, 90, 2, 90}, 90}};
+  const std::vector<Case> cases{
+      {FramePixels::gray8, {200}, 200},         {FramePixels::bayer8, {77}, 77},           {FramePixels::gray10, {0xff, 0x03}, 255},
+      {FramePixels::gray12, {0x00, 0x08}, 128}, {FramePixels::gray16, {0x34, 0x12}, 0x12}, {FramePixels::rgb8, {255, 0, 0}, 77},
+      {FramePixels::bgr8, {255, 0, 0}, 29},     {FramePixels::yuyv, {90, 1, 90, 2}, 90},   {FramePixels::uyvy, {1, 90, 2, 90}, 90}};
   for (const Case& c : cases) {
     FrameFormat format{c.pixels, FrameViews::one, 4, 2, 0, "", 0};
     std::vector<uint8_t> bytes;
