@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "daemon/sources/files.h"
+#include "daemon/sources/live.h"
 #include "daemon/sources/sim.h"
+#include "daemon/sources/v4l2.h"
 
 namespace vdisp {
 namespace {
@@ -41,6 +43,7 @@ std::unique_ptr<StereoSource> open_source(const Config& config) {
   const std::string& kind = config.image_source.source;
   if (kind == "files") return open_files(config);
   if (kind == "sim") return open_sim(config);
+  if (kind == "v4l2") return open_live(config, v4l2_cameras(config, v4l2_system()));
   refuse_auto();
 }
 
