@@ -7,6 +7,7 @@
 #include <system_error>
 #include <vector>
 
+#include "daemon/sources/dc1394.h"
 #include "daemon/sources/files.h"
 #include "daemon/sources/live.h"
 #include "daemon/sources/sim.h"
@@ -43,6 +44,7 @@ std::unique_ptr<StereoSource> open_source(const Config& config) {
   const std::string& kind = config.image_source.source;
   if (kind == "files") return open_files(config);
   if (kind == "sim") return open_sim(config);
+  if (kind == "dc1394") return open_live(config, dc1394_cameras(config));
   if (kind == "v4l2") return open_live(config, v4l2_cameras(config, v4l2_system()));
   refuse_auto();
 }
