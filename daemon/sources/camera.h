@@ -4,11 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace vdisp {
+
+constexpr double default_trigger_rate = 30;  ///< Hz, where `trigger` is software and `rate` is 0
 
 /// What the bytes of a frame are. Words of more than 8 bits are little-endian, their value in the low bits.
 enum class FramePixels : uint8_t { gray8, gray10, gray12, gray16, bayer8, rgb8, bgr8, yuyv, uyvy, jpeg };
@@ -23,6 +26,8 @@ struct FrameFormat {
   ptrdiff_t stride = 0;       ///< bytes from row to row of the frame; not for jpeg
   std::string bayer;          ///< "rggb", ... where pixels are bayer8 and the camera tells its mosaic
   double period_s = 0;        ///< from frame to frame; 0: the camera does not tell
+  /// As open() set them; NaN: left to the camera, or it has none.
+  double exposure_us = std::numeric_limits<double>::quiet_NaN(), gain_db = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A frame in the driver's buffer, until release().
@@ -31,6 +36,7 @@ struct RawFrame {
   size_t size = 0;
   int64_t camera_ns = -1;   ///< middle of the exposure by the camera's clock; -1: it has none
   int64_t arrival_ns = 0;   ///< CLOCK_MONOTONIC when all of it was there
+  int64_t delay_ns = 0;     ///< the middle of the exposure was at least that long before the arrival
   int64_t exposed_ns = -1;  ///< middle of the exposure in CLOCK_MONOTONIC, where the driver tells it; then camera_ns is not looked at
   uint64_t count = 0;       ///< the camera's own number of the frame; it goes on over lost ones
   int64_t buffer = 0;       ///< the driver's

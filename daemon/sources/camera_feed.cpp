@@ -10,7 +10,7 @@
 namespace vdisp {
 namespace {
 
-constexpr std::chrono::milliseconds first_pause{200}, longest_pause{1000};
+constexpr std::chrono::milliseconds first_pause{200}, longest_pause{500};
 constexpr int wait_ms = 100;
 constexpr int64_t silence_ns = 2'000'000'000;  // of a camera that says nothing of being gone
 
@@ -41,14 +41,25 @@ CameraFeed::State CameraFeed::state() const {
   return state_;
 }
 
+CameraView CameraFeed::view() const {
+  const std::lock_guard lock(mutex_);
+  return state_.view;
+}
+
+bool CameraFeed::add_problem(std::string& text) const {
+  const std::lock_guard lock(mutex_);
+  text += state_.problem;
+  return !state_.problem.empty();
+}
+
 void CameraFeed::want(const ExposureSetting& setting) {
   const std::lock_guard lock(mutex_);
   wanted_ = setting;
 }
 
 void CameraFeed::trigger() noexcept {
-  const std::lock_guard lock(device_);
-  camera_->trigger();
+  const std::unique_lock lock(device_, std::try_to_lock);
+  if (lock && view().open) camera_->trigger();
 }
 
 bool CameraFeed::take_opened() {
@@ -118,7 +129,10 @@ bool CameraFeed::open() {
     state_.format = std::move(format);
     state_.stored_calibration = std::move(stored);
     state_.view.open = 1;
+    state_.view.exposure_us = state_.format.exposure_us;
+    state_.view.gain_db = state_.format.gain_db;
     ++state_.view.opened;
+    if (!wanted_) wanted_ = steered_;  // the other camera has it still
     longest_exposure_ = camera_->longest_exposure();
     highest_gain_ = camera_->highest_gain();
   } catch (const CameraError& error) {
@@ -134,7 +148,7 @@ bool CameraFeed::open() {
 
 void CameraFeed::deliver_frames() noexcept {
   int64_t heard_ns = monotonic_ns();
-  const auto longest_silence = std::max(silence_ns, static_cast<int64_t>(5e9 * state().format.period_s));
+  const auto longest_silence = std::max(silence_ns, static_cast<int64_t>(5e9 * state_.format.period_s));
   while (pause(std::chrono::milliseconds(0))) {
     apply_exposure();
     RawFrame frame;
@@ -159,7 +173,7 @@ void CameraFeed::deliver_frames() noexcept {
 
 int64_t CameraFeed::when(const RawFrame& frame) noexcept {
   if (frame.exposed_ns >= 0) return frame.exposed_ns;
-  return frame.camera_ns >= 0 ? clock_.when(frame.camera_ns, frame.arrival_ns) : frame.arrival_ns;
+  return frame.camera_ns >= 0 ? clock_.when(frame.camera_ns, frame.arrival_ns - frame.delay_ns) : frame.arrival_ns - frame.delay_ns;
 }
 
 void CameraFeed::take(const RawFrame& frame) noexcept {
@@ -186,6 +200,7 @@ void CameraFeed::apply_exposure() noexcept {
   {
     const std::lock_guard lock(mutex_);
     wanted.swap(wanted_);
+    if (wanted) steered_ = wanted;
   }
   if (!wanted || !camera_->expose(wanted->exposure_us, wanted->gain_db)) return;
   const std::lock_guard lock(mutex_);

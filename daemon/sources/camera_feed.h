@@ -58,8 +58,12 @@ class CameraFeed {
   void stop();
 
   State state() const;
+  /// Of it, what costs no allocation; false: there is no problem.
+  CameraView view() const;
+  bool add_problem(std::string& text) const;
   /// Sets exposure and gain as soon as the camera can.
   void want(const ExposureSetting& setting);
+  /// Not while it opens or closes: the other camera is not kept waiting.
   void trigger() noexcept;
   const std::string& name() const { return camera_->name(); }
   /// True once, after the camera opened for the first time.
@@ -88,7 +92,7 @@ class CameraFeed {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   State state_;
-  std::optional<ExposureSetting> wanted_;
+  std::optional<ExposureSetting> wanted_, steered_;  // not set yet; set last
   double longest_exposure_ = 0, highest_gain_ = 0;
   bool told_opened_ = false, stopping_ = false;
   std::thread thread_;

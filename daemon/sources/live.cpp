@@ -18,6 +18,7 @@ namespace vdisp {
 namespace {
 
 constexpr std::chrono::seconds longest_start{4};
+constexpr size_t longest_fault = 1000;
 constexpr int default_width = 640, default_height = 480;  // the paper's
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
@@ -57,9 +58,22 @@ LiveSource::LiveSource(const Config& config, std::vector<std::unique_ptr<Camera>
     feeds_.push_back(std::make_unique<CameraFeed>(std::move(cameras[i]), turned ? 1 - static_cast<int>(i) : static_cast<int>(i), *this,
                                                   exchanged_, settings));
   if (turned) std::swap(feeds_[0], feeds_[1]);
-  if (!config.image_source.paramfile.empty()) calibration_ = read_calibration(config.image_source.paramfile);
+  fault_.reserve(longest_fault);
+  try {
+    start();
+  } catch (...) {
+    stop();  // their threads know this source
+    throw;
+  }
+}
+
+void LiveSource::start() {
+  if (!config_.image_source.paramfile.empty()) calibration_ = read_calibration(config_.image_source.paramfile);
   for (auto& feed : feeds_) feed->start();
-  if (config.camera.trigger == "software") trigger_ = std::thread([this] { trigger(); });
+  if (config_.camera.trigger == "software") {
+    const auto start = std::chrono::steady_clock::now();
+    for (auto& feed : feeds_) triggers_.emplace_back([this, &feed = *feed, start] { trigger(feed, start); });
+  }
   wait_for_cameras();
   choose_size();
   choose_calibration();
@@ -69,13 +83,15 @@ LiveSource::LiveSource(const Config& config, std::vector<std::unique_ptr<Camera>
   last_pair_ns_ = monotonic_ns();
 }
 
-LiveSource::~LiveSource() {
+LiveSource::~LiveSource() { stop(); }
+
+void LiveSource::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
-  if (trigger_.joinable()) trigger_.join();
+  for (std::thread& trigger : triggers_) trigger.join();
   for (auto& feed : feeds_) feed->stop();
 }
 
@@ -107,7 +123,6 @@ void LiveSource::choose_size() {
                                        size_text(width, height) + ": [image source] width and height, or the other camera's");
     width = state.format.width;
     height = state.format.height;
-    period_ns_ = std::max(period_ns_, static_cast<int64_t>(state.format.period_s * 1e9));
   }
   if ((width == 0 || height == 0) && calibration_ && calibration_->width != 0) width = calibration_->width, height = calibration_->height;
   if (width == 0 || height == 0) width = default_width, height = default_height;
@@ -159,24 +174,27 @@ std::string LiveSource::describe_opened(const CameraFeed& feed) const {
 
 bool LiveSource::news(std::string& line) {
   for (const auto& feed : feeds_)
-    if (feed->take_opened()) news_.push_back(describe_opened(*feed));
+    if (feed->take_opened()) {
+      news_.push_back(describe_opened(*feed));
+      period_ns_ = std::max(period_ns_, static_cast<int64_t>(feed->state().format.period_s * 1e9));
+    }
   if (news_.empty()) return false;
   line = std::move(news_.front());
   news_.pop_front();
   return true;
 }
 
-/// Both cameras right after each other, `rate` times a second.
-void LiveSource::trigger() {
-  const double rate = config_.image_source.rate > 0 ? config_.image_source.rate : 30;
+/// `rate` times a second. Each camera has a thread of its own: one that died makes its own wait for an answer, not the other's.
+void LiveSource::trigger(CameraFeed& feed, std::chrono::steady_clock::time_point start) {
+  const double rate = config_.image_source.rate > 0 ? config_.image_source.rate : default_trigger_rate;
   const auto period = std::chrono::nanoseconds(static_cast<int64_t>(1e9 / rate));
-  auto due = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     lock.unlock();
-    for (auto& feed : feeds_) feed->trigger();
+    feed.trigger();
     lock.lock();
-    due = std::max(due + period, std::chrono::steady_clock::now() - period);
+    // The next beat of both: those that are over by now are left out.
+    const auto due = start + ((std::chrono::steady_clock::now() - start) / period + 1) * period;
     changed_.wait_until(lock, due, [&] { return stopping_; });
   }
 }

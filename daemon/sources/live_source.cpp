@@ -177,7 +177,7 @@ void LiveSource::fill_status(const FramePair* pair) noexcept {
   status_.age_ms = pair ? static_cast<double>(monotonic_ns() - pair->left.when_ns) * 1e-6 : std::nan("");
   for (size_t side = 0; side < 2; ++side) {
     const double level = status_.view[side].floor_level, dark = status_.view[side].dark, bright = status_.view[side].bright;
-    status_.view[side] = feeds_[std::min(side, feeds_.size() - 1)]->state().view;
+    status_.view[side] = feeds_[std::min(side, feeds_.size() - 1)]->view();
     status_.view[side].unpaired = tally.unpaired[side];
     status_.view[side].refused = tally.refused[side];
     status_.view[side].floor_level = level, status_.view[side].dark = dark, status_.view[side].bright = bright;
@@ -188,10 +188,12 @@ void LiveSource::fill_status(const FramePair* pair) noexcept {
 Reason LiveSource::why_none() noexcept {
   bool open = true, damaged = false;
   for (const auto& feed : feeds_) {
-    const CameraFeed::State state = feed->state();
-    if (!state.problem.empty()) fault_ += (fault_.empty() ? "" : "; ") + state.problem;
-    open = open && state.open;
-    damaged = damaged || (state.open && !state.problem.empty());
+    const bool is_open = feed->view().open != 0;
+    if (!fault_.empty()) fault_ += "; ";
+    const bool told = feed->add_problem(fault_);
+    if (!told && fault_.ends_with("; ")) fault_.resize(fault_.size() - 2);
+    open = open && is_open;
+    damaged = damaged || (is_open && told);
   }
   if (!open) return Reason::no_camera;
   if (damaged) return Reason::bad_frames;

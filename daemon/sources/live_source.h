@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
@@ -47,11 +48,13 @@ class LiveSource final : public StereoSource, public FrameTaker {
   std::string refuse(int side, const FrameFormat& format) override;
 
   bool both_views() const { return feeds_.size() == 1; }
+  void start();
+  void stop();
   void wait_for_cameras();
   void choose_size();
   void choose_calibration();
   void make_slots();
-  void trigger();
+  void trigger(CameraFeed& feed, std::chrono::steady_clock::time_point start);
   std::string describe_opened(const CameraFeed& feed) const;
   void free_slot(int slot) noexcept;
   void write(const FramePair& pair, std::span<Image* const> out) noexcept;
@@ -71,18 +74,19 @@ class LiveSource final : public StereoSource, public FrameTaker {
   FramePairs pairs_;
   std::optional<FramePair> ready_;
   uint64_t pairs_count_ = 0, skipped_ = 0;
-  int64_t last_pair_ns_ = 0, period_ns_ = 0;
+  int64_t last_pair_ns_ = 0;
   bool settled_ = false;  // spec_ is chosen
   bool stopping_ = false;
 
   std::atomic<bool> exchanged_{false};
   bool order_known_ = true;
+  int64_t period_ns_ = 0;  // of the slower camera
   ViewOrder order_;
   std::optional<FloorExposure> exposure_;
   CameraStatus status_{};
   std::string fault_;
   std::deque<std::string> news_;
-  std::thread trigger_;
+  std::vector<std::thread> triggers_;
 };
 
 }  // namespace vdisp

@@ -90,6 +90,12 @@ bool RawPixels::write(const FrameFormat& format, const RawFrame& frame, bool exc
   const bool both = format.views != FrameViews::one;
   const auto* bytes = reinterpret_cast<const uint8_t*>(frame.bytes);
   ptrdiff_t stride = format.stride;
+  for (const GrayView& view : views)
+    if (view.width != format.width || view.height != format.height) {
+      problem_ = "a view of " + std::to_string(format.width) + "x" + std::to_string(format.height) + ", needed is " +
+                 std::to_string(view.width) + "x" + std::to_string(view.height);
+      return false;
+    }
   if (format.pixels == FramePixels::jpeg) {
     if (!unpack_jpeg(format, frame)) return false;
     bytes = jpeg_->gray.data();
