@@ -77,7 +77,8 @@ class Run {
 
   /// Readers survive only this way of ending (ipc/shm.h).
   void leave(int exit_code) {
-    alarm(2);  // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
+    source_->close();  // the process may end without destructors, and a GigE camera would not know for 3 s
+    alarm(2);          // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
     log::stop();
     control_.reset();

@@ -186,6 +186,27 @@ ordered_json tracks_json(const Tracks& tracks) {
   return json;
 }
 
+ordered_json cameras_json(const CameraStatus& status) {
+  ordered_json json{{"pairs", status.pairs},           {"skipped", status.skipped},          {"apart_ms", number(status.apart_ms)},
+                    {"age_ms", number(status.age_ms)}, {"exchanged", status.exchanged != 0}, {"cameras", status.cameras}};
+  const char* const sides[] = {"left", "right"};
+  for (size_t side = 0; side < std::size(sides); ++side) {
+    const CameraView& view = status.view[side];
+    json[sides[side]] = {{"open", view.open != 0},
+                         {"opened", view.opened},
+                         {"frames", view.frames},
+                         {"incomplete", view.incomplete},
+                         {"unpaired", view.unpaired},
+                         {"refused", view.refused},
+                         {"exposure_us", number(view.exposure_us)},
+                         {"gain_db", number(view.gain_db)},
+                         {"floor_level", number(view.floor_level)},
+                         {"dark", number(view.dark)},
+                         {"bright", number(view.bright)}};
+  }
+  return json;
+}
+
 ordered_json camera_json(const CameraGeometry& camera) {
   return {{"f", number(camera.f)},
           {"cx", number(camera.cx)},

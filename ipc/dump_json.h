@@ -19,6 +19,8 @@ nlohmann::ordered_json scene_json(const TruthScene& scene);
 nlohmann::ordered_json changes_json(const MapChanges& changes);
 nlohmann::ordered_json memory_json(const Memory& memory);
 nlohmann::ordered_json tracks_json(const Tracks& tracks);
+/// `camera/status`, as the member `camera_status`.
+nlohmann::ordered_json cameras_json(const CameraStatus& status);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);
 nlohmann::ordered_json grid_json(const GridGeometry& grid);
 

@@ -219,6 +219,28 @@ std::vector<std::string> tracks_text(const Tracks& tracks) {
   return lines;
 }
 
+std::vector<std::string> cameras_text(const CameraStatus& status) {
+  const auto number = [](uint64_t value) { return std::to_string(value); };
+  std::vector<std::string> lines{"pairs       " + number(status.pairs) + ", " + number(status.skipped) + " too many for the tree",
+                                 "apart       " + or_dash("%+.2f ms", status.apart_ms), "age         " + or_dash("%.1f ms", status.age_ms)};
+  if (status.exchanged) lines.push_back("views       exchanged");
+  for (uint32_t side = 0; side < 2; ++side) {
+    const CameraView& view = status.view[side];
+    const bool both = status.cameras == 1;
+    if (!both || side == 0)
+      lines.push_back((both        ? "camera      "
+                       : side == 0 ? "left        "
+                                   : "right       ") +
+                      number(view.frames) + " frames, " + number(view.incomplete) + " incomplete, " + number(view.unpaired) +
+                      " unpaired, " + number(view.refused) + " refused, opened " + number(view.opened) + " times" +
+                      (view.open ? "" : ", not open"));
+    lines.push_back(format("  %-5s     ", side == 0 ? "left" : "right") + "floor level " + or_dash("%.0f", view.floor_level) + ", dark " +
+                    or_dash("%.0f %%", view.dark, 100) + ", bright " + or_dash("%.0f %%", view.bright, 100) + ", exposure " +
+                    or_dash("%.0f us", view.exposure_us) + ", gain " + or_dash("%.1f dB", view.gain_db));
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string spec_words(const ImageSpec& spec) {
@@ -244,6 +266,7 @@ std::vector<std::string> record_text(const Image& image) {
   if (const MapChanges* changes = record_of<MapChanges>(image)) return changes_text(*changes);
   if (const Memory* memory = record_of<Memory>(image)) return memory_text(*memory);
   if (const Tracks* tracks = record_of<Tracks>(image)) return tracks_text(*tracks);
+  if (const CameraStatus* status = record_of<CameraStatus>(image)) return cameras_text(*status);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
 }
 

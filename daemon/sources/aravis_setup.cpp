@@ -58,8 +58,8 @@ double set_pace(ArvCamera* camera, const Config& config, const std::string& name
     double least = 0, most = 0;
     arv_camera_get_frame_rate_bounds(camera, &least, &most, nullptr);
     if (most > 0 && (rate < least || rate > most))
-      refuse(name + ": [image source] rate = " + number(rate) + " Hz cannot be had; with this size, these pixels and this exposure it takes " +
-             number(least) + " to " + number(most) + " Hz");
+      refuse(name + ": [image source] rate = " + number(rate) +
+             " Hz cannot be had; with this size, these pixels and this exposure it takes " + number(least) + " to " + number(most) + " Hz");
     arv_camera_set_frame_rate(camera, rate, error);
     error.check(name, "set to the frame rate");
   }

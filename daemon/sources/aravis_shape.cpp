@@ -71,8 +71,8 @@ const Format& set_pixels(ArvCamera* camera, const Config& config, const std::str
   for (const Format& format : formats)
     if (!chosen && fits(format) && std::find(has.begin(), has.end(), format.code) != has.end()) chosen = &format;
   if (!chosen)
-    refuse(name + ": [camera] pixels = " + word + (bayer == "none" ? "" : " with [image source] bayer = " + bayer) +
-           " cannot be had; " + supported(camera, has));
+    refuse(name + ": [camera] pixels = " + word + (bayer == "none" ? "" : " with [image source] bayer = " + bayer) + " cannot be had; " +
+           supported(camera, has));
   AravisError error;
   arv_camera_set_pixel_format(camera, chosen->code, error);
   error.check(name, "set to the pixel format");
@@ -104,8 +104,8 @@ void set_region(ArvCamera* camera, const Config& config, const std::string& name
   widths.step = arv_camera_get_width_increment(camera, nullptr);
   heights.step = arv_camera_get_height_increment(camera, nullptr);
   if (!widths.hold(wanted_width) || !heights.hold(wanted_height))
-    refuse(name + ": an image of " + std::to_string(wanted_width) + "x" + std::to_string(wanted_height) + (views == 2 ? " (both views)" : "") +
-           " cannot be had; widths are " + widths.words() + ", heights " + heights.words());
+    refuse(name + ": an image of " + std::to_string(wanted_width) + "x" + std::to_string(wanted_height) +
+           (views == 2 ? " (both views)" : "") + " cannot be had; widths are " + widths.words() + ", heights " + heights.words());
   arv_camera_set_region(camera, -1, -1, wanted_width, wanted_height, error);
   error.check(name, "set to the image size");
   arv_camera_get_sensor_size(camera, &sensor_width, &sensor_height, nullptr);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds first_pause{200}, longest_pause{500};
 constexpr int wait_ms = 100;
-constexpr int64_t silence_ns = 2'000'000'000;  // of a camera that says nothing of being gone
+constexpr int64_t silence_ns = 4'000'000'000;  // drivers that are told of a camera's end know it earlier
 
 }  // namespace
 
@@ -62,10 +62,22 @@ void CameraFeed::trigger() noexcept {
   if (lock && view().open) camera_->trigger();
 }
 
-bool CameraFeed::take_opened() {
+CameraFeed::News CameraFeed::take_news() {
   const std::lock_guard lock(mutex_);
-  if (told_opened_ || !state_.open) return false;
-  return told_opened_ = true;
+  const bool was_open = told_ == News::opened || told_ == News::back;
+  if (state_.open) {
+    if (was_open) return News::nothing;
+    told_fault_.reset();
+    return told_ = state_.view.opened == 1 ? News::opened : News::back;
+  }
+  if (!state_.tried || (!was_open && told_fault_ == state_.fault)) return News::nothing;
+  told_fault_ = state_.fault;
+  return told_ = was_open ? News::lost : News::waits;
+}
+
+void CameraFeed::keep_quiet_of_fault() {
+  const std::lock_guard lock(mutex_);
+  if (state_.tried && !state_.open) told_fault_ = state_.fault;
 }
 
 double CameraFeed::longest_exposure() const {
@@ -90,12 +102,12 @@ void CameraFeed::run() noexcept {
       back_off = first_pause;
       deliver_frames();
       {
-        const std::lock_guard device(device_);
-        camera_->close();
+        const std::lock_guard lock(mutex_);
+        state_.open = false;
+        state_.view.open = 0;
       }
-      const std::lock_guard lock(mutex_);
-      state_.open = false;
-      state_.view.open = 0;
+      const std::lock_guard device(device_);
+      camera_->close();
     } else {
       back_off = std::min(2 * back_off, longest_pause);
     }

@@ -66,8 +66,11 @@ class CameraFeed {
   /// Not while it opens or closes: the other camera is not kept waiting.
   void trigger() noexcept;
   const std::string& name() const { return camera_->name(); }
-  /// True once, after the camera opened for the first time.
-  bool take_opened();
+  /// What happened to it since the last call, once each: opened, lost, back, or another reason why it is not open. Empty: nothing.
+  enum class News : uint8_t { nothing, opened, lost, back, waits };
+  News take_news();
+  /// What is wrong with it now is told by other means.
+  void keep_quiet_of_fault();
   double longest_exposure() const;
   double highest_gain() const;
 
@@ -94,7 +97,9 @@ class CameraFeed {
   State state_;
   std::optional<ExposureSetting> wanted_, steered_;  // not set yet; set last
   double longest_exposure_ = 0, highest_gain_ = 0;
-  bool told_opened_ = false, stopping_ = false;
+  bool stopping_ = false;
+  News told_ = News::nothing;
+  std::optional<CameraFault> told_fault_;
   std::thread thread_;
 };
 

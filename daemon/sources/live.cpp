@@ -78,6 +78,7 @@ void LiveSource::start() {
   choose_size();
   choose_calibration();
   make_slots();
+  for (auto& feed : feeds_) feed->keep_quiet_of_fault();  // the first blind frame tells
   const std::lock_guard lock(mutex_);
   settled_ = true;
   last_pair_ns_ = monotonic_ns();
@@ -92,6 +93,7 @@ void LiveSource::stop() {
   }
   changed_.notify_all();
   for (std::thread& trigger : triggers_) trigger.join();
+  triggers_.clear();
   for (auto& feed : feeds_) feed->stop();
 }
 
@@ -172,12 +174,21 @@ std::string LiveSource::describe_opened(const CameraFeed& feed) const {
          rate;
 }
 
+void LiveSource::tell(CameraFeed& feed) {
+  switch (feed.take_news()) {
+    case CameraFeed::News::nothing: break;
+    case CameraFeed::News::opened:
+      news_.push_back(describe_opened(feed));
+      period_ns_ = std::max(period_ns_, static_cast<int64_t>(feed.state().format.period_s * 1e9));
+      break;
+    case CameraFeed::News::back: news_.push_back(feed.name() + " is back"); break;
+    case CameraFeed::News::lost: news_.push_back("lost a camera: " + feed.state().problem); break;
+    case CameraFeed::News::waits: news_.push_back(feed.state().problem + "; it is looked for"); break;
+  }
+}
+
 bool LiveSource::news(std::string& line) {
-  for (const auto& feed : feeds_)
-    if (feed->take_opened()) {
-      news_.push_back(describe_opened(*feed));
-      period_ns_ = std::max(period_ns_, static_cast<int64_t>(feed->state().format.period_s * 1e9));
-    }
+  for (const auto& feed : feeds_) tell(*feed);
   if (news_.empty()) return false;
   line = std::move(news_.front());
   news_.pop_front();

@@ -32,6 +32,7 @@ class LiveSource final : public StereoSource, public FrameTaker {
   int64_t period_ns() const override { return 0; }
   std::string_view fault() const noexcept override { return fault_; }
   bool wait(int timeout_ms) noexcept override;
+  void close() noexcept override { stop(); }
   const CameraStatus* cameras() const noexcept override { return &status_; }
   bool news(std::string& line) override;
 
@@ -55,6 +56,7 @@ class LiveSource final : public StereoSource, public FrameTaker {
   void choose_calibration();
   void make_slots();
   void trigger(CameraFeed& feed, std::chrono::steady_clock::time_point start);
+  void tell(CameraFeed& feed);
   std::string describe_opened(const CameraFeed& feed) const;
   void free_slot(int slot) noexcept;
   void write(const FramePair& pair, std::span<Image* const> out) noexcept;

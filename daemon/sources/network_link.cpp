@@ -1,27 +1,39 @@
-// network_link.cpp: the kernel's list of interfaces, and what it tells of each.
+// network_link.cpp: asks the kernel; /sys would tell of another network namespace.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/sources/network_link.h"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <linux/ethtool.h>
+#include <linux/sockios.h>
+#include <net/if.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstdio>
 
 namespace vdisp {
 namespace {
 
-int read_number(const std::string& file) {
-  int number = 0;
-  std::ifstream(file) >> number;
-  return std::max(number, 0);  // -1: not known
+void ask_kernel(NetworkLink& link) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return;
+  ifreq request{};
+  std::snprintf(request.ifr_name, sizeof request.ifr_name, "%s", link.name.c_str());
+  if (ioctl(socket, SIOCGIFMTU, &request) == 0) link.mtu = request.ifr_mtu;
+  ethtool_cmd command{};
+  command.cmd = ETHTOOL_GSET;
+  request.ifr_data = reinterpret_cast<char*>(&command);
+  if (ioctl(socket, SIOCETHTOOL, &request) == 0 && ethtool_cmd_speed(&command) != static_cast<uint32_t>(SPEED_UNKNOWN))
+    link.mbit = static_cast<int>(ethtool_cmd_speed(&command));
+  ::close(socket);
 }
 
 }  // namespace
 
-NetworkLink network_link(const std::string& address, const std::string& sys) {
+NetworkLink network_link(const std::string& address) {
   NetworkLink link;
   ifaddrs* all = nullptr;
   if (getifaddrs(&all) != 0) return link;
@@ -32,9 +44,7 @@ NetworkLink network_link(const std::string& address, const std::string& sys) {
     if (address == text) link.name = i->ifa_name;
   }
   freeifaddrs(all);
-  if (link.name.empty()) return link;
-  link.mtu = read_number(sys + "/" + link.name + "/mtu");
-  link.mbit = read_number(sys + "/" + link.name + "/speed");
+  if (!link.name.empty()) ask_kernel(link);
   return link;
 }
 

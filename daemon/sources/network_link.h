@@ -13,8 +13,8 @@ struct NetworkLink {
   int mbit = 0;      ///< per second; 0: not known, as on the loopback interface
 };
 
-/// The interface that has this address of ours ("192.168.1.1"). The folder is for tests.
-NetworkLink network_link(const std::string& address, const std::string& sys = "/sys/class/net");
+/// The interface that has this address of ours ("192.168.1.1").
+NetworkLink network_link(const std::string& address);
 
 /// Empty if it fits, else one line: what is needed, what there is, what would be right. `rate_hz` 0: not known.
 std::string refuse_packets(const NetworkLink& link, int packet_bytes);

@@ -30,6 +30,8 @@ class StereoSource : public ImageSource {
   virtual std::string_view fault() const noexcept { return {}; }
   /// Waits at most that long for the next pair. True: a step makes sense: there is one, or its time is over. Not from grab().
   virtual bool wait(int) noexcept { return true; }
+  /// Lets go of what others may want at once, cameras that is. No grab() after it.
+  virtual void close() noexcept {}
   /// What the cameras deliver, where there are any; valid until the next grab(). Header not filled in.
   virtual const CameraStatus* cameras() const noexcept { return nullptr; }
   /// A line that the operator should read: a camera opened, lost, back. False: there is none.

@@ -78,17 +78,62 @@ int sets(Client& client, int number) {
   return wrong == 0 && complete >= number - 2 ? 0 : 1;
 }
 
-/// One line on every change of state, with the time.
-int watch(Client& client, double seconds) {
+/// The time in the first row of what vdisp-gige-camera sends: 64 pixels, 0 or 255 or near it.
+int64_t stamp(const Image& image) {
+  uint64_t time = 0;
+  for (int bit = 0; bit < 64; ++bit) time |= static_cast<uint64_t>(image.row<uint8_t>(0)[bit] > 100) << bit;
+  return static_cast<int64_t>(time);
+}
+
+/// What left and right say themselves of when they were taken: more than `most_ms` apart is no pair.
+int pairs(Client& client, double seconds, double most_ms) {
+  const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
+  const Client::Topic topics[] = {client.subscribe("camera/left"), client.subscribe("camera/right"), client.subscribe("camera/status")};
+  Reading readings[3];
+  uint64_t number = 0, blind = 0, missed = 0, mismatched = 0, older = 0, last = 0;
+  int64_t last_stamp = 0;
+  double worst_ms = 0;
+  CameraStatus status{};
+  while (monotonic_ns() < end) {
+    if (!client.wait_set(topics, readings, milliseconds(200))) continue;
+    const uint64_t sequence = readings[0].image->sequence;
+    if (last && sequence > last + 1) missed += sequence - last - 1;
+    last = sequence;
+    if (const CameraStatus* told = record_of<CameraStatus>(*readings[2].image)) status = *told;
+    if (!readings[0].image->valid() || !readings[1].image->valid()) {
+      ++blind;
+      continue;
+    }
+    const int64_t left = stamp(*readings[0].image), right = stamp(*readings[1].image);
+    const double apart_ms = static_cast<double>(std::llabs(left - right)) * 1e-6;
+    worst_ms = std::max(worst_ms, apart_ms);
+    mismatched += apart_ms > most_ms;
+    older += left <= last_stamp;
+    last_stamp = left;
+    ++number;
+  }
+  const auto u = [](uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::printf(
+      "pairs %llu blind %llu missed %llu mismatched %llu older %llu worst_ms %.3f skipped %llu incomplete %llu unpaired %llu opened %u\n",
+      u(number), u(blind), u(missed), u(mismatched), u(older), worst_ms, u(status.skipped),
+      u(status.view[0].incomplete + status.view[1].incomplete), u(status.view[0].unpaired + status.view[1].unpaired),
+      status.view[0].opened + status.view[1].opened);
+  return 0;
+}
+
+/// One line on every change of state, with the time and why.
+int watch(Client& client, double seconds, const std::string& topic) {
   const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
   const char* const words[] = {"fresh", "blind", "stale", "dead"};
-  const Client::Topic handle = client.subscribe("map");
+  const Client::Topic handle = client.subscribe(topic);
   int last = -1;
+  Reason why = Reason::none;
   while (monotonic_ns() < end) {
     const Reading reading = client.wait(handle, milliseconds(50));
-    if (static_cast<int>(reading.trust) == last) continue;
+    if (static_cast<int>(reading.trust) == last && reading.reason == why) continue;
     last = static_cast<int>(reading.trust);
-    std::printf("%s %lld\n", words[last], static_cast<long long>(monotonic_ns()));
+    why = reading.reason;
+    std::printf("%s %lld %s\n", words[last], static_cast<long long>(monotonic_ns()), name(why).data());
     std::fflush(stdout);
   }
   return 0;
@@ -134,7 +179,8 @@ int main(int argc, char** argv) {
   if (word == "count") return count(client, topic, number(3, 5));
   if (word == "hold") return hold(client, topic, static_cast<int>(number(3, 24)), number(4, 5));
   if (word == "sets") return sets(client, static_cast<int>(number(2, 50)));
-  if (word == "watch") return watch(client, number(2, 5));
+  if (word == "pairs") return pairs(client, number(2, 5), number(3, 10));
+  if (word == "watch") return watch(client, number(2, 5), argc > 3 ? argv[3] : "map");
   if (word == "connect") return connect_once(client, number(2, 1));
   if (word == "write") return write_image(client);
   return 64;

@@ -19,17 +19,22 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SKIPPED = 77
 
 
-def isolated_main():
-    """Runs the unit tests of the calling script with private /tmp, /dev/shm and /run: there is one daemon on a machine."""
+def isolated_main(network=False):
+    """Runs the unit tests of the calling script with private /tmp, /dev/shm and /run: there is one daemon on a machine. With `network`
+    also with a network of its own, that has nothing but 127.0.0.1, 127.0.0.2 and 127.0.0.3."""
     if "VDISP_ISOLATED" not in os.environ:
-        mount = "mount -t tmpfs none /dev/shm && mount -t tmpfs none /tmp && mount -t tmpfs none /run"
-        probe = subprocess.run(["unshare", "-m", "sh", "-c", mount], capture_output=True)
+        prepare = "mount -t tmpfs none /dev/shm && mount -t tmpfs none /tmp && mount -t tmpfs none /run"
+        if network:
+            prepare += " && ip link set lo up && ip addr add 127.0.0.2/8 dev lo && ip addr add 127.0.0.3/8 dev lo"
+        unshare = ["unshare", "-m", *(["-n"] if network else []), "sh", "-c"]
+        probe = subprocess.run([*unshare, prepare], capture_output=True)
         if probe.returncode:
-            print("SKIPPED: a private mount namespace is not permitted here:", probe.stderr.decode().strip())
+            print("SKIPPED: a private namespace of", "mounts and network" if network else "mounts", "is not permitted here:",
+                  probe.stderr.decode().strip())
             sys.exit(SKIPPED)
         os.environ["VDISP_ISOLATED"] = "1"
         command = [sys.executable, os.path.abspath(sys.argv[0]), *sys.argv[1:]]
-        os.execvp("unshare", ["unshare", "-m", "sh", "-c", mount + ' && exec "$@"', "sh", *command])
+        os.execvp("unshare", [*unshare, prepare + ' && exec "$@"', "sh", *command])
     unittest.main(verbosity=2)
 
 

@@ -191,6 +191,24 @@ TEST_F(DumpTest, changes_of_the_map_become_generation_and_count) {
   EXPECT_FALSE(fs::exists(root_ / "000000/map_changes.png"));
 }
 
+TEST_F(DumpTest, what_the_cameras_deliver_becomes_a_member) {
+  BufferOutlet outlet(record_spec<CameraStatus>());
+  auto& status = make_record<CameraStatus>(outlet.loan());
+  status.pairs = 12;
+  status.apart_ms = -0.25;
+  status.view[1].incomplete = 3;
+  status.view[1].exposure_us = std::nan("");
+  FrameDump dump(root_ / "000000");
+  dump.add("camera/status", outlet.loan());
+  dump.finish();
+  const auto told = nlohmann::json::parse(read(root_ / "000000/frame.json"))["camera_status"];
+  EXPECT_EQ(told["pairs"], 12);
+  EXPECT_EQ(told["apart_ms"], -0.25);
+  EXPECT_EQ(told["right"]["incomplete"], 3);
+  EXPECT_TRUE(told["right"]["exposure_us"].is_null());
+  EXPECT_FALSE(fs::exists(root_ / "000000/camera/status.png"));
+}
+
 TEST_F(DumpTest, truth_of_the_simulator_becomes_a_member_with_its_objects) {
   BufferOutlet outlet(record_spec<TruthScene>());
   auto& scene = make_record<TruthScene>(outlet.loan());
