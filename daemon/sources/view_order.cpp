@@ -16,6 +16,7 @@ constexpr int near_zero = 1;       // px: farther than any vote
 }  // namespace
 
 void ViewOrder::prepare(const ImageSpec& spec) {
+  reach_ = std::clamp((spec.width / shrink - window) / 4, 1, longest_reach);
   for (Small& small : small_) {
     small.width = spec.width / shrink;
     small.height = spec.height / shrink;
@@ -54,15 +55,15 @@ int ViewOrder::vote(int x, int y) const noexcept {
     for (int dx = 1; dx < window; ++dx) texture += std::abs(small_[0].at(x + dx, y + dy) - small_[0].at(x + dx - 1, y + dy));
   if (4 * texture < least_texture * window * (window - 1)) return 0;
   int best = 0, least = INT32_MAX;
-  std::array<int, 2 * reach + 1> differences;
-  for (int shift = -reach; shift <= reach; ++shift) {
-    const int found = differences[static_cast<size_t>(shift + reach)] = difference(x, y, shift);
+  std::array<int, 2 * longest_reach + 1> differences;
+  for (int shift = -reach_; shift <= reach_; ++shift) {
+    const int found = differences[static_cast<size_t>(shift + reach_)] = difference(x, y, shift);
     if (found < least) least = found, best = shift;
   }
   if (std::abs(best) <= near_zero) return 0;
   // Nothing elsewhere is nearly as good, and it is good itself.
-  for (int shift = -reach; shift <= reach; ++shift)
-    if (std::abs(shift - best) > 1 && 4 * differences[static_cast<size_t>(shift + reach)] < 5 * least) return 0;
+  for (int shift = -reach_; shift <= reach_; ++shift)
+    if (std::abs(shift - best) > 1 && 4 * differences[static_cast<size_t>(shift + reach_)] < 5 * least) return 0;
   if (2 * least > texture) return 0;
   return best > 0 ? 1 : -1;
 }
@@ -71,7 +72,7 @@ std::optional<bool> ViewOrder::see(const Image& first, const Image& second) noex
   make_small(first, small_[0]);
   make_small(second, small_[1]);
   for (int y = 0; y + window <= small_[0].height; y += apart) {
-    for (int x = reach; x + window + reach <= small_[0].width; x += apart) {
+    for (int x = reach_; x + window + reach_ <= small_[0].width; x += apart) {
       const int found = vote(x, y);
       if (found != 0) ++votes_[found > 0 ? 0 : 1];
     }

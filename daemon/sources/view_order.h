@@ -16,7 +16,7 @@ namespace vdisp {
 /// SVS had a button for this, and drivers of the STH-MDCS2 disagree (byte order).
 class ViewOrder {
  public:
-  static constexpr int shrink = 4, reach = 24, window = 9;  ///< px, of the small views but for shrink
+  static constexpr int shrink = 4, longest_reach = 24, window = 9;  ///< px, of the small views but for shrink
   static constexpr int votes_needed = 150;
   static constexpr double share_needed = 0.8;
 
@@ -37,6 +37,7 @@ class ViewOrder {
   int vote(int x, int y) const noexcept;
   int difference(int x, int y, int shift) const noexcept;
 
+  int reach_ = longest_reach;  // less in small views, or there would be no window to both sides
   std::array<Small, 2> small_;
   std::array<int64_t, 2> votes_{};
 };

@@ -298,8 +298,8 @@ TEST(RawPixels, refuse_damaged_jpegs_at_every_length) {
 class Order : public testing::Test {
  protected:
   /// A view with random blobs, and one where all lies `shift` px farther left.
-  void draw(int shift) {
-    const ImageSpec spec{Pixel::gray8, 0, 320, 240};
+  void draw(int shift, uint16_t columns = 320) {
+    const ImageSpec spec{Pixel::gray8, 0, columns, 240};
     cv::Mat world(240, 500, CV_8U), smooth;
     cv::theRNG().state = 7;
     cv::randu(world, 0, 255);
@@ -307,7 +307,7 @@ class Order : public testing::Test {
     for (int i = 0; i < 2; ++i) {
       outlets_[i] = std::make_unique<BufferOutlet>(spec);
       views_[i] = &outlets_[i]->loan();
-      for (int v = 0; v < 240; ++v) std::memcpy(views_[i]->row<uint8_t>(v), smooth.ptr(v) + 90 + (i == 1 ? shift : 0), 320);
+      for (int v = 0; v < 240; ++v) std::memcpy(views_[i]->row<uint8_t>(v), smooth.ptr(v) + 90 + (i == 1 ? shift : 0), columns);
     }
     order_.prepare(spec);
   }
@@ -329,6 +329,14 @@ TEST_F(Order, is_told_by_what_is_near) {
   EXPECT_TRUE(*look());
   order_ = {};
   draw(-20);
+  EXPECT_FALSE(*look());
+}
+
+TEST_F(Order, is_told_of_small_views_too) {
+  draw(12, 160);
+  ASSERT_TRUE(look());
+  order_ = {};
+  draw(-12, 160);
   EXPECT_FALSE(*look());
 }
 
