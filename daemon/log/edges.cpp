@@ -17,7 +17,7 @@ constexpr int lasting_frames = 15;  // a single odd floor is no reason to doubt 
 void Edges::edge(Subject& subject, const char* what, std::string_view fault, const Image& image) {
   if (subject.lost != !image.valid()) {
     subject.lost = !image.valid();
-    if (subject.lost) subject.since_ns = image.ready_ns;
+    (subject.lost ? subject.since_ns : subject.found_ns) = image.ready_ns;
     ++subject.untold;
   }
   if (subject.lost == subject.told_lost || image.ready_ns - subject.told_ns < second) return;
@@ -29,7 +29,7 @@ void Edges::edge(Subject& subject, const char* what, std::string_view fault, con
       warn("{} lost at frame {}: {}", what, image.sequence, why);
     }
   } else {
-    info("{} found after {:.1f} s, at frame {}", what, static_cast<double>(image.ready_ns - subject.since_ns) * 1e-9, image.sequence);
+    info("{} found after {:.1f} s, at frame {}", what, static_cast<double>(subject.found_ns - subject.since_ns) * 1e-9, image.sequence);
   }
   subject.told_lost = subject.lost;
   subject.told_ns = image.ready_ns;

@@ -22,7 +22,7 @@ class Edges {
  private:
   struct Subject {
     bool lost = false, told_lost = false;
-    int64_t since_ns = 0, told_ns = INT64_MIN / 2;
+    int64_t since_ns = 0, found_ns = 0, told_ns = INT64_MIN / 2;
     int untold = 0;
   };
   /// Of one kind of message that comes in.
