@@ -77,6 +77,7 @@ class Run {
 
   /// Readers survive only this way of ending (ipc/shm.h).
   void leave(int exit_code) {
+    alarm(15);         // a camera that does not answer takes seconds
     source_->close();  // the process may end without destructors, and a GigE camera would not know for 3 s
     alarm(2);          // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);

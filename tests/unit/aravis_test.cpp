@@ -50,7 +50,8 @@ TEST(Choose, lists_what_there_is_where_it_is_not_what_is_meant) {
   EXPECT_EQ(refusal({"C3", "", 1, 2}, nullptr, two),
             "[camera] right = C3: no such GigE Vision or USB3 Vision camera; found: GigE camera Maker-M1-A1 at 10.0.0.1, GigE camera "
             "Maker-M1-B2 at 10.0.0.2");
-  EXPECT_NE(refusal({"", "", 0, 2}, nullptr, {two[0]}).find("2 GigE Vision or USB3 Vision cameras are needed; found: GigE camera"), std::string::npos);
+  EXPECT_NE(refusal({"", "", 0, 2}, nullptr, {two[0]}).find("2 GigE Vision or USB3 Vision cameras are needed; found: GigE camera"),
+            std::string::npos);
   EXPECT_NE(refusal({"", "", 0, 1}, nullptr, two).find("name which"), std::string::npos);
   EXPECT_NE(refusal({"", "", 0, 2}, nullptr, {}).find("found: none"), std::string::npos);
 }
@@ -81,9 +82,10 @@ TEST(NetworkLink, refuses_what_does_not_fit_and_says_how_it_would) {
   EXPECT_EQ(refuse_packets(fast, 1500), "");
   EXPECT_NE(refuse_packets(fast, 9000).find("ip link set eth0 mtu 9000"), std::string::npos);
   EXPECT_EQ(refuse_rate(fast, 640 * 480, 30), "");
-  EXPECT_EQ(refuse_rate(fast, 2048 * 1536, 60),
-            "frames of 3145728 bytes at 60 Hz need 1585 Mbit/s, eth0 has 1000; lower [image source] rate, width and height, or pixels of fewer "
-            "bytes");
+  EXPECT_EQ(
+      refuse_rate(fast, 2048 * 1536, 60),
+      "frames of 3145728 bytes at 60 Hz need 1585 Mbit/s, eth0 has 1000; lower [image source] rate, width and height, or pixels of fewer "
+      "bytes");
   EXPECT_EQ(refuse_rate({"lo", 65536, 0}, 2048 * 1536, 600), "");  // it does not tell
 }
 
@@ -121,7 +123,8 @@ class FakeCamera : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     arv_enable_interface("Fake");
-    for (const char* interface : {"GigEVision", "USB3Vision"}) arv_disable_interface(interface);  // what is attached here is nobody's business
+    for (const char* interface : {"GigEVision", "USB3Vision"})
+      arv_disable_interface(interface);  // what is attached here is nobody's business
   }
   void SetUp() override {
     config_.camera.views = "beside";

@@ -279,6 +279,23 @@ TEST(Readout, records_become_lines_and_blind_ones_their_reason) {
   EXPECT_EQ(record_text(outlet.loan()).at(0), "blind: " + std::string(describe(Reason::few_points)));
 }
 
+TEST(Readout, tells_of_cameras_what_they_deliver_and_which_is_not_open) {
+  BufferOutlet outlet(record_spec<CameraStatus>());
+  auto& status = make_record<CameraStatus>(outlet.loan());
+  status.cameras = 2;
+  status.pairs = 90;
+  status.skipped = 4;
+  status.apart_ms = -0.5;
+  status.view[0] = {1, 1, 94, 0, 0, 0, 5000, 6, 110, 0.25, 0};
+  status.view[1] = {0, 2, 90, 3, 1, 0, std::nan(""), std::nan(""), 90, 0, 0};
+  const auto lines = record_text(outlet.loan());
+  EXPECT_EQ(lines.at(0), "pairs       90, 4 too many for the tree");
+  EXPECT_EQ(lines.at(1), "apart       -0.50 ms");
+  EXPECT_EQ(lines.at(3), "left        94 frames, 0 incomplete, 0 unpaired, 0 refused, opened 1 times");
+  EXPECT_NE(lines.at(4).find("floor level 110, dark 25 %, bright 0 %, exposure 5000 us, gain 6.0 dB"), std::string::npos) << lines.at(4);
+  EXPECT_EQ(lines.at(5), "right       90 frames, 3 incomplete, 1 unpaired, 0 refused, opened 2 times, not open");
+}
+
 TEST(Readout, changes_of_the_map_are_counted_and_the_first_ones_shown) {
   BufferOutlet outlet(record_spec<MapChanges>());
   auto& changes = make_record<MapChanges>(outlet.loan());
