@@ -20,6 +20,7 @@ namespace {
 
 constexpr int buffers = 8;  // a quarter of a second at 30 Hz: none is lost while the thread waits for a processor
 constexpr int64_t exposure_read_ns = 1'000'000'000;
+constexpr int tries_a_search = 4;  // most of the time a camera comes back where it was
 
 struct Unref {
   void operator()(void* object) const { g_object_unref(object); }
@@ -67,6 +68,7 @@ class AravisCamera final : public Camera {
   std::atomic<bool> control_lost_{false};
   double exposure_us_ = 0, longest_us_ = 0, highest_gain_ = 0;
   int64_t exposure_read_ns_ = 0;
+  int tries_ = 1;
   const char* problem_ = "";
 };
 
@@ -85,7 +87,8 @@ FrameFormat AravisCamera::open() {
 }
 
 void AravisCamera::connect() {
-  const AttachedCamera found = choose(wish_, known_ ? &*known_ : nullptr, attached_aravis_cameras());
+  const bool everywhere = tries_++ % tries_a_search == 0;
+  const AttachedCamera found = known_ ? find_again(*known_, everywhere) : choose(wish_, attached_aravis_cameras());
   const std::string named = (found.gige ? "GigE camera " : "USB3 camera ") + found.id;
   AravisError error;
   camera_.reset(arv_camera_new(found.address.empty() ? found.id.c_str() : found.address.c_str(), error));
@@ -99,6 +102,7 @@ void AravisCamera::connect() {
                    &control_lost_);
   if (!known_) name_ = named;
   known_ = found;
+  tries_ = 1;
 }
 
 void AravisCamera::begin_stream() {

@@ -10,6 +10,7 @@
 
 #include "daemon/core/clock.h"
 #include "daemon/sources/camera.h"
+#include "daemon/sources/gige_knock.h"
 #include "daemon/sources/usb_vision.h"
 
 namespace vdisp {
@@ -85,12 +86,21 @@ namespace {
 
 }  // namespace
 
-AttachedCamera choose(const CameraWish& wish, const AttachedCamera* before, const std::vector<AttachedCamera>& attached) {
-  if (before) {
-    for (const AttachedCamera& camera : attached)
-      if (camera.same_as(*before)) return camera;
-    refuse(before->words() + " is gone", attached);
+AttachedCamera find_again(const AttachedCamera& before, bool everywhere) {
+  if (before.gige && !before.serial.empty()) {
+    const std::optional<AttachedCamera> there = knock_at_gige(before.address);
+    if (there && there->same_as(before)) return before;
+    if (!everywhere)
+      throw CameraError(CameraFault::absent,
+                        before.words() + " is gone" + (there ? "; there is now one with serial number " + there->serial : ""));
   }
+  const std::vector<AttachedCamera> attached = attached_aravis_cameras();
+  for (const AttachedCamera& camera : attached)
+    if (camera.same_as(before)) return camera;
+  refuse(before.words() + " is gone", attached);
+}
+
+AttachedCamera choose(const CameraWish& wish, const std::vector<AttachedCamera>& attached) {
   const std::string key = std::string("[camera] ") + (wish.side == 0 ? "left" : "right");
   std::vector<AttachedCamera> fit;
   for (const AttachedCamera& camera : attached)

@@ -37,8 +37,11 @@ struct CameraWish {
   int side = 0, sides = 2;
 };
 
-/// The one that is meant. Throws CameraError (absent) that lists what is there; `before`: the one that was open already, and no other.
-AttachedCamera choose(const CameraWish& wish, const AttachedCamera* before, const std::vector<AttachedCamera>& attached);
+/// The one that is meant. Throws CameraError (absent; denied where a rule for the USB is missing) that lists what is there.
+AttachedCamera choose(const CameraWish& wish, const std::vector<AttachedCamera>& attached);
+
+/// The one that was open already, and no other: where it was, which is answered at once, or `everywhere`. Throws as choose().
+AttachedCamera find_again(const AttachedCamera& before, bool everywhere);
 
 /// Runs once, before anything else of Aravis: GLib's messages end neither the daemon nor on its stderr.
 void prepare_aravis();

@@ -21,6 +21,7 @@ struct Picture {
   std::vector<uint8_t> pixels;
   double late_ms = 0;
   bool odd = false;
+  unsigned long sent = 0;
 };
 
 Picture read_pgm(const char* name) {
@@ -46,6 +47,7 @@ void draw(ArvBuffer* buffer, void* data, guint32 exposure_us, guint32 gain_db, A
   arv_buffer_get_image_region(buffer, &x0, &y0, &width, &height);
   const double light = exposure_us / 5000.0 * std::pow(10, gain_db / 20.0);
   const auto time = static_cast<uint64_t>(arv_buffer_get_timestamp(buffer));
+  ++picture.sent;
   if ((picture.odd = !picture.odd)) arv_buffer_set_timestamp(buffer, time + static_cast<uint64_t>(picture.late_ms * 1e6));
   uint8_t levels[256];
   for (int i = 0; i < 256; ++i) levels[i] = static_cast<uint8_t>(std::min(255.0, i * light));
@@ -84,5 +86,6 @@ int main(int argc, char** argv) {
   int signal = 0;
   sigwait(&ends, &signal);
   g_object_unref(camera);
+  std::printf("sent %lu frames\n", picture.sent);
   return 0;
 }

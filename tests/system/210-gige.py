@@ -141,6 +141,7 @@ class Gige(ProgramTest):
                 fresh = eyes.first("fresh", back)
                 self.assertIsNotNone(fresh, f"cycle {cycle}: it came back, and nobody saw: {running.text()}")
                 slowest = max(slowest, fresh - back)
+                print(f"cycle {cycle}: blind after {blind - killed:.2f} s, back after {fresh - back:.2f} s")
                 self.assertIsNone(running.process.poll(), running.text())
                 numbers.append((len(os.listdir(f"/proc/{running.process.pid}/fd")),
                                 int(re.search(r"VmRSS:\s+(\d+)", pathlib.Path(f"/proc/{running.process.pid}/status").read_text())[1])))

@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "daemon/core/clock.h"
 #include "daemon/sources/aravis_list.h"
 #include "daemon/sources/frame_count.h"
+#include "daemon/sources/gige_knock.h"
 #include "daemon/sources/network_link.h"
 #include "daemon/sources/raw_pixels.h"
 #include "daemon/sources/usb_vision.h"
@@ -25,9 +27,9 @@ AttachedCamera camera(const std::string& serial, const std::string& address) {
 
 const std::vector<AttachedCamera> two{camera("A1", "10.0.0.1"), camera("B2", "10.0.0.2")};
 
-std::string refusal(const CameraWish& wish, const AttachedCamera* before, const std::vector<AttachedCamera>& attached) {
+std::string refusal(const CameraWish& wish, const std::vector<AttachedCamera>& attached) {
   try {
-    return "chose " + choose(wish, before, attached).serial;
+    return "chose " + choose(wish, attached).serial;
   } catch (const CameraError& error) {
     EXPECT_EQ(error.fault, CameraFault::absent);
     return error.what();
@@ -36,30 +38,32 @@ std::string refusal(const CameraWish& wish, const AttachedCamera* before, const 
 
 TEST(Choose, knows_a_camera_by_serial_number_address_and_names) {
   for (const std::string name : {"B2", "10.0.0.2", "Maker-M1-B2", "Maker-B2", "00:11:B2"})
-    EXPECT_EQ(choose({name, "", 0, 2}, nullptr, two).serial, "B2") << name;
+    EXPECT_EQ(choose({name, "", 0, 2}, two).serial, "B2") << name;
 }
 
 TEST(Choose, takes_what_is_attached_in_its_order_where_nothing_is_named) {
-  EXPECT_EQ(choose({"", "", 0, 2}, nullptr, two).serial, "A1");
-  EXPECT_EQ(choose({"", "", 1, 2}, nullptr, two).serial, "B2");
-  EXPECT_EQ(choose({"", "B2", 1, 2}, nullptr, two).serial, "A1");  // the one that the other side does not have
-  EXPECT_EQ(choose({"", "", 0, 1}, nullptr, {two[1]}).serial, "B2");
+  EXPECT_EQ(choose({"", "", 0, 2}, two).serial, "A1");
+  EXPECT_EQ(choose({"", "", 1, 2}, two).serial, "B2");
+  EXPECT_EQ(choose({"", "B2", 1, 2}, two).serial, "A1");  // the one that the other side does not have
+  EXPECT_EQ(choose({"", "", 0, 1}, {two[1]}).serial, "B2");
 }
 
 TEST(Choose, lists_what_there_is_where_it_is_not_what_is_meant) {
-  EXPECT_EQ(refusal({"C3", "", 1, 2}, nullptr, two),
+  EXPECT_EQ(refusal({"C3", "", 1, 2}, two),
             "[camera] right = C3: no such GigE Vision or USB3 Vision camera; found: GigE camera Maker-M1-A1 at 10.0.0.1, GigE camera "
             "Maker-M1-B2 at 10.0.0.2");
-  EXPECT_NE(refusal({"", "", 0, 2}, nullptr, {two[0]}).find("2 GigE Vision or USB3 Vision cameras are needed; found: GigE camera"),
+  EXPECT_NE(refusal({"", "", 0, 2}, {two[0]}).find("2 GigE Vision or USB3 Vision cameras are needed; found: GigE camera"),
             std::string::npos);
-  EXPECT_NE(refusal({"", "", 0, 1}, nullptr, two).find("name which"), std::string::npos);
-  EXPECT_NE(refusal({"", "", 0, 2}, nullptr, {}).find("found: none"), std::string::npos);
+  EXPECT_NE(refusal({"", "", 0, 1}, two).find("name which"), std::string::npos);
+  EXPECT_NE(refusal({"", "", 0, 2}, {}).find("found: none"), std::string::npos);
 }
 
-TEST(Choose, takes_back_the_same_hardware_only_wherever_it_is_plugged_in) {
-  const AttachedCamera moved = camera("B2", "10.0.0.9"), other = camera("C3", "10.0.0.2");
-  EXPECT_EQ(choose({"10.0.0.2", "", 1, 2}, &two[1], {two[0], moved}).address, "10.0.0.9");
-  EXPECT_NE(refusal({"10.0.0.2", "", 1, 2}, &two[1], {two[0], other}).find("Maker-M1-B2 at 10.0.0.2 is gone; found: "), std::string::npos);
+TEST(Choose, knows_the_same_hardware_wherever_it_is_plugged_in) {
+  EXPECT_TRUE(camera("B2", "10.0.0.9").same_as(two[1]));
+  EXPECT_FALSE(camera("C3", "10.0.0.2").same_as(two[1]));
+  AttachedCamera usb = two[1];
+  usb.gige = false;
+  EXPECT_FALSE(usb.same_as(two[1]));
 }
 
 TEST(FrameCount, goes_on_where_16_bits_end_over_lost_frames_and_with_and_without_a_zero) {
@@ -94,6 +98,13 @@ TEST(NetworkLink, is_that_of_the_address) {
   EXPECT_EQ(link.name, "lo");
   EXPECT_GT(link.mtu, 1000);
   EXPECT_EQ(network_link("192.0.2.77").name, "");
+}
+
+TEST(Knock, waits_no_longer_than_it_says_where_nothing_answers) {
+  const int64_t start = monotonic_ns();
+  EXPECT_FALSE(knock_at_gige("127.0.0.77"));
+  EXPECT_FALSE(knock_at_gige("no address"));
+  EXPECT_LT(monotonic_ns() - start, 1'000'000'000);
 }
 
 TEST(UsbVision, names_a_camera_that_may_not_be_opened) {
