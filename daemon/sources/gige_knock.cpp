@@ -38,7 +38,8 @@ std::optional<AttachedCamera> knock_at_gige(const std::string& address) {
   ::close(socket);
   // Status 0, answer to discovery (3), with the number asked for.
   constexpr std::array<char, 4> good{0, 0, 0, 3};
-  if (size < static_cast<ssize_t>(header + answer_bytes) || std::memcmp(answer.data(), good.data(), good.size()) != 0 || answer[7] != 1) return {};
+  if (size < static_cast<ssize_t>(header + answer_bytes) || std::memcmp(answer.data(), good.data(), good.size()) != 0 || answer[7] != 1)
+    return {};
   const auto text = [&](size_t at, size_t bytes) { return std::string(&answer[header + at], strnlen(&answer[header + at], bytes)); };
   AttachedCamera camera;
   camera.address = address;
