@@ -131,7 +131,8 @@ TEST_F(ConfigFile, a_value_out_of_range_is_named_with_its_range_and_default) {
   EXPECT_EQ(complaints("[image source]\nndisp=48.5\n"),
             "t.cfg:2: ndisp = 48.5, must be a whole number from 16 to 256 in steps of 16 [pixel], default 48\n");
   EXPECT_EQ(complaints("[Map]\nangRot=1.3\n"), "t.cfg:2: angRot = 1.3, must be a number from -0.5 to 1.2 [rad] or auto, default 0.26\n");
-  EXPECT_EQ(complaints("[image source]\nsource=fils\n"), "t.cfg:2: source = fils, must be auto, sim or files, default auto\n");
+  EXPECT_EQ(complaints("[image source]\nsource=fils\n"),
+            "t.cfg:2: source = fils, must be auto, sim, files, aravis, v4l2 or dc1394, default auto\n");
   EXPECT_EQ(complaints("[image source]\nloop=maybe\n"), "t.cfg:2: loop = maybe, must be yes or no, default no\n");
   EXPECT_EQ(complaints("[Floor]\niterRansac =\n"), "t.cfg:2: iterRansac has no value, must be a number from 10 to 2000 [-], default 100\n");
 }
@@ -200,8 +201,9 @@ TEST_F(ConfigFile, an_unknown_section_names_the_nearest_and_its_keys_are_judged_
             "t.cfg:2: iterRansac = 5, must be a number from 10 to 2000 [-], default 100\n");
   EXPECT_EQ(complaints("[image_source]\n"), "t.cfg:1: no section [image_source], nearest is [image source]\n");
   EXPECT_EQ(complaints("[broccoli]\nx=5\n[Floor]\niterRansac=5\n"),
-            "t.cfg:1: no section [broccoli], there are [main], [image source], [mounting], [Floor], [Limit obstacle], [Map], "
-            "[Memory], [ipc], [control], [sim]\n"
+            "t.cfg:1: no section [broccoli], there are [main], [image source], [camera], [mounting], [Floor], [Limit obstacle], [Map], "
+            "[Memory], [ipc], [control], [sim]
+"
             "t.cfg:4: iterRansac = 5, must be a number from 10 to 2000 [-], default 100\n");
 }
 
