@@ -1,17 +1,13 @@
-// calibration.cpp: tells a calibration file's format by its content, checks what it says and makes the rectified view of it.
+// calibration.cpp: checks what a calibration file says and makes the rectified view of it.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/geometry/calibration.h"
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <cstdio>
+#include <filesystem>
 #include <opencv2/calib3d.hpp>
-#include <string_view>
-#include <system_error>
 
 #include "daemon/geometry/stereo_parts.h"
 
@@ -22,29 +18,6 @@ namespace {
 constexpr int smallest = 16, largest = 16384;  // px, of an image
 constexpr double longest_baseline = 10;        // m: more is a file in millimetres
 constexpr const char* side[] = {"left", "right"};
-
-bool contains(std::string_view text, std::string_view what) { return text.find(what) != std::string_view::npos; }
-
-bool begins(std::string_view text, std::string_view what) {
-  return text.size() >= what.size() && std::equal(what.begin(), what.end(), text.begin(), [](char a, char b) {
-           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-         });
-}
-
-StereoParts parse(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  if (std::filesystem::is_directory(path)) return read_euroc(std::filesystem::exists(path / "mav0") ? path / "mav0" : path);
-  const std::string content = read_text(path);
-  if (begins(content, "# SVS Engine") || contains(content, "[left camera]")) return parse_svs(file, content);
-  if (contains(content, "T_BS") && contains(content, "intrinsics")) {
-    const std::string camera = std::filesystem::absolute(path).parent_path().filename().string();
-    if (camera != "cam0" && camera != "cam1")
-      refuse(file, "is one camera of EuRoC's in a folder " + camera + "; needed are cam0/sensor.yaml and cam1/sensor.yaml");
-    return read_euroc(path.parent_path() / "..");
-  }
-  if (begins(content, "%YAML") || begins(content, "<?xml") || contains(content, "opencv-matrix")) return parse_opencv(file, content);
-  refuse(file, "of no known format; needed is an OpenCV YAML or XML file, an SVS .ini or a EuRoC sensor.yaml");
-}
 
 void check_size(const std::string& file, const StereoParts& parts) {
   if (!parts.size) return;
@@ -109,6 +82,16 @@ StereoView rectified_view(const std::string& file, const StereoParts& parts) {
   return view;
 }
 
+/// A rectified view is about as large as the raw one.
+void check_views(const std::string& file, const StereoParts& parts) {
+  for (int i : {0, 1}) {
+    const double f = (*parts.k[i])[0], rectified = (*parts.projection[i])[0];
+    if (rectified > 0 && (f < rectified / 4 || f > rectified * 4))
+      refuse(file,
+             std::string(side[i]) + " camera: f is " + text(f) + " raw and " + text(rectified) + " rectified; needed are pixels in both");
+  }
+}
+
 /// Where the file has cameras and their places only: rectification with equal cx, and no black borders (alpha 0).
 void rectify(const std::string& file, StereoParts& parts) {
   if (!parts.rotation || !parts.translation)
@@ -132,6 +115,7 @@ void rectify(const std::string& file, StereoParts& parts) {
     std::copy_n(rotation.ptr<double>(), 9, parts.rectification[i].emplace().begin());
     std::copy_n(projection.ptr<double>(), 12, parts.projection[i].emplace().begin());
   }
+  check_views(file, parts);
 }
 
 /// Both ways in which a file tells the baseline must agree. SVS's proj leaves out Ty and Tz, hence 2 %.
@@ -171,14 +155,11 @@ void check_raw(const std::string& file, StereoParts& parts) {
   }
   const bool complete = parts.rectification[0] && parts.rectification[1] && parts.projection[0] && parts.projection[1];
   if (!complete) return rectify(file, parts);
-  for (int i : {0, 1}) {
-    check_rotation(file, std::string("rectification of the ") + side[i] + " camera", *parts.rectification[i]);
-    const double f = (*parts.k[i])[0], rectified = (*parts.projection[i])[0];
-    if (rectified > 0 && (f < rectified / 4 || f > rectified * 4))
-      refuse(file,
-             std::string(side[i]) + " camera: f is " + text(f) + " raw and " + text(rectified) + " rectified; needed are pixels in both");
-  }
+  for (int i : {0, 1}) check_rotation(file, std::string("rectification of the ") + side[i] + " camera", *parts.rectification[i]);
+  check_views(file, parts);
 }
+
+}  // namespace
 
 Calibration assemble(const std::string& file, StereoParts parts) {
   check_size(file, parts);
@@ -202,21 +183,16 @@ Calibration assemble(const std::string& file, StereoParts parts) {
   return result;
 }
 
-}  // namespace
-
-std::string read_text(const std::filesystem::path& path) {
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) refuse(path.string(), "cannot be read: " + std::generic_category().message(errno));
-  std::string content(1 << 20, '\0');
-  in.read(content.data(), static_cast<std::streamsize>(content.size()));
-  if (in.bad()) refuse(path.string(), "cannot be read: " + std::generic_category().message(errno));
-  if (in.gcount() == static_cast<std::streamsize>(content.size())) refuse(path.string(), "is larger than 1 MiB: no calibration file");
-  content.resize(static_cast<size_t>(in.gcount()));
-  if (content.empty()) refuse(path.string(), "is empty; needed is a calibration");
-  if (content.find('\0') != std::string::npos)
-    refuse(path.string(), "holds binary data; needed is an OpenCV YAML or XML file, an SVS .ini or a EuRoC sensor.yaml");
-  return content;
+Calibration assemble_from(const std::string& file, const std::function<StereoParts()>& parse) {
+  try {
+    return assemble(file, parse());
+  } catch (const cv::Exception& e) {
+    std::string why = e.err;
+    std::replace(why.begin(), why.end(), '\n', ' ');
+    refuse(file, "OpenCV refuses it: " + why);
+  } catch (const std::filesystem::filesystem_error& e) {
+    refuse(file, "cannot be read: " + e.code().message());
+  }
 }
 
 void refuse(const std::string& file, const std::string& what) { throw CalibrationError("calibration " + file + ": " + what); }
@@ -229,14 +205,8 @@ std::string text(double number) {
 
 }  // namespace calibration
 
-Calibration read_calibration(const std::filesystem::path& path) {
-  try {
-    return calibration::assemble(path.string(), calibration::parse(path));
-  } catch (const cv::Exception& e) {
-    calibration::refuse(path.string(), "OpenCV refuses it: " + e.err);
-  } catch (const std::filesystem::filesystem_error& e) {
-    calibration::refuse(path.string(), "cannot be read: " + e.code().message());
-  }
+Calibration read_calibration(const std::filesystem::path& path, const ReadingOptions& options) {
+  return calibration::assemble_from(path.string(), [&] { return calibration::read_parts(path, options); });
 }
 
 }  // namespace vdisp

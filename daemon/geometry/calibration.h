@@ -35,9 +35,16 @@ class CalibrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Where a file describes several pairs, which one is meant. Without effect on files that know one pair only.
+struct ReadingOptions {
+  bool colour = false;       ///< KITTI: cameras 2 and 3 instead of 0 and 1
+  bool unrectified = false;  ///< KITTI calib_cam_to_cam, SVS with `rectified 1`: of the images before they were rectified
+};
+
 /// Reads a calibration of any known format, told by its content: OpenCV YAML/XML with P1, P2 (rectified) or K, D, R, T;
-/// SVS .ini from v2.1 on; a EuRoC folder or one of its sensor.yaml pair. Throws CalibrationError for a file that is missing,
-/// unreadable, of no known format, incomplete or contradictory (f <= 0, no baseline, right camera left of the left one).
-Calibration read_calibration(const std::filesystem::path& path);
+/// SVS .ini from v2.1 on; KITTI's calib.txt and calib_cam_to_cam.txt; a EuRoC folder or one of its sensor.yaml pair; a folder with the ROS
+/// camera_info left.yaml and right.yaml, or one of such a pair. Throws CalibrationError for a file that is missing, unreadable, of no known
+/// format, incomplete or contradictory (f <= 0, no baseline, right camera left of the left one).
+Calibration read_calibration(const std::filesystem::path& path, const ReadingOptions& options = {});
 
 }  // namespace vdisp

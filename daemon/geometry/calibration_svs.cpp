@@ -113,7 +113,9 @@ class Ini {
     }
     const bool needed = camera || section == "external" ||
                         (section == "image" && (key == "width" || key == "height" || key == "rectified" || key == "have_rect"));
-    if (needed) entries_[section + "/" + key] = {{parse(key, value)}, line_};
+    if (!needed) return;
+    entries_[section + "/" + key] = {{parse(key, value)}, line_};
+    last_needed_ = line_;
   }
 
   void read_row(const std::string& key, int columns, std::vector<double>& values) {
@@ -122,6 +124,7 @@ class Ini {
       ++line_;
       refuse_line("the file ends within '" + key + "', needed are 3 rows of " + std::to_string(columns) + " numbers");
     }
+    last_needed_ = line_;
     std::istringstream words(line);
     for (int i = 0; i < columns; ++i) {
       if (!(words >> word))
@@ -143,12 +146,12 @@ class Ini {
 
   /// Half a number is a number too: a file cut off within its last line of cameras is not to be believed.
   void check_end(const std::string& content) const {
-    if (content.back() != '\n' && !has("right camera/rect")) refuse_line("the file ends within a line: it is truncated");
+    if (content.back() != '\n' && last_needed_ == line_) refuse_line("the file ends within a line: it is truncated");
   }
 
   std::string file_, version_;
   std::istringstream in_;
-  int line_ = 0;
+  int line_ = 0, last_needed_ = 0;
   std::map<std::string, Entry> entries_;
 };
 
@@ -186,7 +189,7 @@ std::optional<std::array<int, 2>> image_size(const std::string& file, const Ini&
 
 }  // namespace
 
-StereoParts parse_svs(const std::string& file, const std::string& content) {
+StereoParts parse_svs(const std::string& file, const std::string& content, const ReadingOptions& options) {
   const Ini ini(file, content);
   StereoParts parts;
   parts.format = "SVS " + ini.version();
@@ -201,7 +204,7 @@ StereoParts parse_svs(const std::string& file, const std::string& content) {
   parts.translation = {ini.number("external/tx") / 1000, ini.number("external/ty", 0) / 1000, ini.number("external/tz", 0) / 1000};
 
   // Of the images the file belongs to. Someone who has raw images of that camera sets it to 0.
-  parts.images_are_rectified = ini.number("image/rectified", 0) != 0;
+  parts.images_are_rectified = ini.number("image/rectified", 0) != 0 && !options.unrectified;
   const bool all = parts.rectification[0] && parts.rectification[1] && parts.projection[0] && parts.projection[1];
   if (ini.number("image/have_rect", all ? 1 : 0) == 0) {
     for (int i : {0, 1}) parts.rectification[i].reset(), parts.projection[i].reset();

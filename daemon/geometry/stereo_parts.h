@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,11 +25,26 @@ struct StereoParts {
   bool images_are_rectified = false;  ///< the file says that its images have been rectified already
 };
 
-/// `file` names the text in messages.
+/// A file's content; `file` names it in messages.
+struct NamedText {
+  std::string file, content;
+};
+
 StereoParts parse_opencv(const std::string& file, const std::string& text);
-StereoParts parse_svs(const std::string& file, const std::string& text);
-/// The pair cam0/sensor.yaml and cam1/sensor.yaml in `folder`.
-StereoParts read_euroc(const std::filesystem::path& folder);
+StereoParts parse_svs(const std::string& file, const std::string& text, const ReadingOptions& options);
+StereoParts parse_kitti(const std::string& file, const std::string& text, const ReadingOptions& options);
+/// Left and right: cam0/sensor.yaml and cam1/sensor.yaml; two camera_info.
+StereoParts parse_euroc(const std::array<NamedText, 2>& texts);
+StereoParts parse_ros(const std::array<NamedText, 2>& texts);
+
+/// Reads the file, or the files that belong to it, and tells the format by the content.
+StereoParts read_parts(const std::filesystem::path& path, const ReadingOptions& options);
+/// Of a text that is a whole calibration by itself: all formats but EuRoC and ROS.
+StereoParts parse_single(const std::string& file, const std::string& text, const ReadingOptions& options);
+/// Checks the parts, rectifies where the file does not, and puts them together.
+Calibration assemble(const std::string& file, StereoParts parts);
+/// The same of what `parse` gives; all that it throws is made a CalibrationError, but for what is out of memory.
+Calibration assemble_from(const std::string& file, const std::function<StereoParts()>& parse);
 
 /// The text of a file of at most 1 MiB. Throws CalibrationError.
 std::string read_text(const std::filesystem::path& path);
