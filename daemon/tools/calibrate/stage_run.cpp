@@ -1,0 +1,58 @@
+// stage_run.cpp: the tree as far as the floor.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/tools/calibrate/stage_run.h"
+
+#include "daemon/core/driver.h"
+#include "daemon/sources/source.h"
+#include "daemon/stages/disparity.h"
+#include "daemon/stages/plane_floor.h"
+#include "daemon/stages/rectify.h"
+
+namespace vdisp::calibrate {
+namespace {
+
+cv::Mat copy_of(const Image& image) {
+  return cv::Mat(image.spec.height, image.spec.width, CV_8U, const_cast<uint8_t*>(image.row<uint8_t>(0)), image.spec.stride()).clone();
+}
+
+void keep(const Topic& topic, const Image& image, StagedPair& pair) {
+  if (topic.name == "camera/left") pair.camera[0] = copy_of(image);
+  if (topic.name == "camera/right") pair.camera[1] = copy_of(image);
+  if (topic.name == "left") pair.rectified[0] = copy_of(image);
+  if (topic.name == "right") pair.rectified[1] = copy_of(image);
+  if (topic.name == "floor_model") pair.floor = *record_of<FloorModel>(image);
+}
+
+}  // namespace
+
+StageRun run_stages(const Config& config, int most) {
+  Machine machine(config.main.threads);
+  Driver driver(0);
+  auto source = open_source(config);
+  StereoSource& stereo = *source;
+  StageRun run;
+  run.calibration = stereo.calibration();
+
+  const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+  const auto left = driver.add("left", std::make_unique<Rectify>(Side::left, run.calibration, machine, config), {camera[0]});
+  const auto right = driver.add("right", std::make_unique<Rectify>(Side::right, run.calibration, machine, config), {camera[1]});
+  const auto disparity = driver.add("disparity", std::make_unique<Disparity>(machine, config), {left, right});
+  driver.add_set({"floor", "floor_model"}, std::make_unique<PlaneFloor>(machine, config), {disparity, left}, Need::always);
+
+  StagedPair pair;
+  driver.set_viewer([&pair](const Topic& topic, const Image& image) { keep(topic, image, pair); });
+  driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
+  driver.need_all();
+  for (int i = 0; i < most; ++i) {
+    pair = {};
+    const uint64_t blind = driver.blind_steps();
+    if (driver.step() == Outcome::end) break;
+    if (driver.blind_steps() == blind && !pair.rectified[1].empty())
+      run.pairs.push_back(pair);
+    else
+      ++run.bad;
+  }
+  return run;
+}
+
+}  // namespace vdisp::calibrate
