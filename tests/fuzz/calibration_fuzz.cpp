@@ -1,5 +1,5 @@
-// calibration_fuzz.cpp: any text, as each calibration format: refused in one line, or read to a calibration that can be written and read
-// back. SPDX-License-Identifier: Apache-2.0
+// calibration_fuzz.cpp: any text as each calibration format: refused in one line, or read, written and read back.
+// SPDX-License-Identifier: Apache-2.0
 //
 // With clang a libFuzzer target; with another compiler tests/fuzz/mutations.cpp feeds it mutated seeds. VDISP_FUZZ_FORMAT: which parser.
 #include <cmath>

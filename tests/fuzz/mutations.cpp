@@ -1,5 +1,5 @@
-// mutations.cpp: feeds a fuzz target its seeds, each changed at random some thousand times from fixed numbers: what runs where there is no
-// libFuzzer. SPDX-License-Identifier: Apache-2.0
+// mutations.cpp: feeds a fuzz target its seeds, each changed at random from fixed numbers, where there is no libFuzzer.
+// SPDX-License-Identifier: Apache-2.0
 //   PROGRAM ROUNDS FOLDER
 #include <cstdint>
 #include <cstdio>

@@ -1,6 +1,7 @@
 // solve.cpp: the word `solve`: pairs of images of a board to a calibration, with a verdict on each view.
 // SPDX-License-Identifier: Apache-2.0
 #include <sysexits.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -76,7 +77,7 @@ nlohmann::json to_json(const Solution& s, const std::vector<View>& views) {
   return out;
 }
 
-void print(const Solution& s, const std::vector<View>& views) {
+void print(const std::vector<View>& views) {
   std::printf("%-24s %-24s %6s %6s %6s\n", "left", "right", "left", "right", "rows");
   for (const View& view : views) {
     std::printf("%-24s %-24s ", view.left.c_str(), view.right.c_str());
@@ -85,6 +86,9 @@ void print(const Solution& s, const std::vector<View>& views) {
     else
       std::printf("rejected: %s\n", view.rejected.c_str());
   }
+}
+
+void print(const Solution& s) {
   const Stand stand = stand_of(s.calibration);
   const auto turn = rotation_vector(stand.rotation);
   std::printf("\nreprojection %.3f px, rows after rectification %.3f px (median), %.3f (95 %%)\n", s.rms, s.rows_median, s.rows_p95);
@@ -111,13 +115,20 @@ int solve(const Options& options) {
   cv::Size size;
   for (PairRead read = pairs.next(); read != PairRead::end; read = pairs.next()) {
     views.push_back(look(board, pairs, read == PairRead::good, size));
-    std::fprintf(stderr, "%s: %s\n", views.back().left.c_str(), views.back().used() ? "found" : views.back().rejected.c_str());
+    if (isatty(STDERR_FILENO))
+      std::fprintf(stderr, "%s: %s\n", views.back().left.c_str(), views.back().used() ? "found" : views.back().rejected.c_str());
   }
-  const Solution solution = solve_stereo(board, size, views, options.most_rms);
+  Solution solution;
+  try {
+    solution = solve_stereo(board, size, views, options.most_rms);
+  } catch (const ToolError&) {
+    if (!options.json) print(views);
+    throw;
+  }
   if (options.json)
     std::cout << to_json(solution, views).dump(2) << '\n';
   else
-    print(solution, views);
+    print(views), print(solution);
   std::fflush(stdout);
   if (!options.report.empty()) write_report(options.report, solution, views);
   if (!solution.faults.empty()) throw ToolError(EX_CONFIG, refusal(solution));

@@ -23,6 +23,16 @@ void keep(const Topic& topic, const Image& image, StagedPair& pair) {
   if (topic.name == "floor_model") pair.floor = *record_of<FloorModel>(image);
 }
 
+/// Nobody sends gravity here: the floor is measured by the images alone.
+class NoImu final : public ImageProcessor {
+ public:
+  std::vector<ImageSpec> check(std::span<const ImageSpec>) override { return {record_spec<Imu>()}; }
+  Outcome process(std::span<const Image* const>, std::span<Image* const> out) noexcept override {
+    out[0]->set_blind(Reason::no_imu);
+    return Outcome::valid;
+  }
+};
+
 }  // namespace
 
 StageRun run_stages(const Config& config, int most) {
@@ -37,7 +47,8 @@ StageRun run_stages(const Config& config, int most) {
   const auto left = driver.add("left", std::make_unique<Rectify>(Side::left, run.calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", std::make_unique<Rectify>(Side::right, run.calibration, machine, config), {camera[1]});
   const auto disparity = driver.add("disparity", std::make_unique<Disparity>(machine, config), {left, right});
-  driver.add_set({"floor", "floor_model"}, std::make_unique<PlaneFloor>(machine, config), {disparity, left}, Need::always);
+  const auto imu = driver.add("in/imu", std::make_unique<NoImu>(), {}, Need::always);
+  driver.add_set({"floor", "floor_model"}, std::make_unique<PlaneFloor>(machine, config), {disparity, left, even_blind(imu)}, Need::always);
 
   StagedPair pair;
   driver.set_viewer([&pair](const Topic& topic, const Image& image) { keep(topic, image, pair); });
