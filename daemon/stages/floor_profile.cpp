@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/stages/projection.h"
+
 namespace vdisp {
 namespace {
 
@@ -13,6 +15,9 @@ constexpr double disparity_noise = 0.35;  // px
 constexpr float most_counted = 8;         // points of a distance: more say nothing new
 constexpr float least_carried = 2;        // points that show that the floor is there
 constexpr float unlikely = 1e6f;
+// A floor recedes from row to row, least where it rises as steeply as it may, and what falls recedes faster than the plane.
+constexpr int recede_rows = 8;          // of 480, up and down
+constexpr double least_receding = 0.5;  // of what it should by
 constexpr float price_of_step = 0.10f, price_of_level = 0.002f, price_of_below = 1.2f;
 
 }  // namespace
@@ -23,22 +28,25 @@ void FloorProfile::prepare() {
   came_from_.assign(bins * levels, 0);
 }
 
-void FloorProfile::measure(const PlaneSearch& points, const StereoView& view, FloorModel& model) noexcept {
+void FloorProfile::measure(const PlaneSearch& points, const Image& disparity, FloorModel& model) noexcept {
   Scale scale{};
   scale.count = std::clamp(static_cast<int>(std::ceil(config_.map.range / config_.map.cell)), 8, bins);
   scale.step = config_.map.range / scale.count;
   scale.start = scale.step / 2;
   scale.level = scale.step * std::tan(config_.floor.maxSlope) / reach;
-  count(points, view, model, scale);
-  find_way(model, view, scale);
+  count(points, disparity, model, scale);
+  find_way(model, stereo_view(disparity), scale);
   write(scale, model);
 }
 
-void FloorProfile::count(const PlaneSearch& points, const StereoView& view, const FloorModel& model, const Scale& scale) noexcept {
+void FloorProfile::count(const PlaneSearch& points, const Image& disparity, const FloorModel& model, const Scale& scale) noexcept {
   std::fill(seen_.begin(), seen_.end(), 0.0f);
+  const StereoView view = stereo_view(disparity);
   const double fb = view.f * view.baseline, cos_pitch = std::cos(model.pitch_rad), sin_pitch = std::sin(model.pitch_rad);
   const double down = 1 / (16 * model.a), middle_disparity = down * (view.cy - model.b);
   const double cos_roll = std::cos(model.roll_rad), sin_roll = std::sin(model.roll_rad);
+  const int rows = std::max(recede_rows * disparity.spec.height / 480, 2), bottom = disparity.spec.height - 1;
+  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope);
   for (size_t i = 0; i < points.points(); ++i) {
     const auto [u, v, d] = points.point(i);
     if (d <= 0.5) continue;
@@ -47,7 +55,13 @@ void FloorProfile::count(const PlaneSearch& points, const StereoView& view, cons
     if (bin < 0 || bin >= scale.count) continue;
     const double floor = model.tilt * u + down * v + middle_disparity, height = model.height_m * (1 - floor / d);
     const int level = middle + static_cast<int>(std::lround(height / scale.level));
-    if (level < levels) seen(bin, std::max(level, 0)) += 1;
+    if (level >= levels) continue;
+    const int column = static_cast<int>(std::lround(u + view.cx)), row = static_cast<int>(std::lround(v + view.cy));
+    const int16_t here = disparity.row<int16_t>(row)[column], near = disparity.row<int16_t>(std::min(row + rows, bottom))[column],
+                  far = disparity.row<int16_t>(std::max(row - rows, 0))[column];
+    const double least = height < 0 ? least_fall : least_fall * model.height_m / (model.height_m + ahead * steepest);
+    const bool upright = (near > 0 && row + rows <= bottom && near - here < least) || (far > 0 && row >= rows && here - far < least);
+    if (!upright) seen_[cell(bin, std::max(level, 0))] += 1;
   }
 }
 
@@ -62,7 +76,7 @@ void FloorProfile::find_way(const FloorModel& model, const StereoView& view, con
     float all = 0, sums[levels + 1];
     for (int level = 0; level < levels; ++level) {
       sums[level] = all;
-      all += seen(bin, level);
+      all += seen_[cell(bin, level)];
     }
     sums[levels] = all;
     bool carries[levels];
@@ -118,7 +132,7 @@ void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
       double sum = 0;
       count = 0;
       for (int level = first; level <= last; ++level) {
-        const double points = static_cast<double>(seen_[static_cast<size_t>(bin * levels + level)]);
+        const double points = static_cast<double>(seen_[cell(bin, level)]);
         sum += points * level;
         count += points;
       }

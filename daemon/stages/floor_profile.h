@@ -12,13 +12,14 @@ namespace vdisp {
 
 /// The cheapest way through a grid of distances and heights, by dynamic programming: points that lie on it pay, points seen below it cost
 /// (obstacles stand on the floor, nothing is seen through it), it neither rises nor falls more than `maxSlope` against the plane, and it
-/// falls only where it is seen to. So ramps, crests and bent ground are floor, and a kerb, a wall or a hole is not.
+/// falls only where it is seen to. So ramps, crests and bent ground are floor, and a kerb, a wall or a hole is not. It never lies
+/// on what stands upright: a wall that leads along the way from the floor down to lower ground shows each height between them.
 class FloorProfile {
  public:
   explicit FloorProfile(const Config& config) : config_(config) {}
   void prepare();
   /// Fills the profile of a model whose plane is known, in metres.
-  void measure(const PlaneSearch& points, const StereoView& view, FloorModel& model) noexcept;
+  void measure(const PlaneSearch& points, const Image& disparity, FloorModel& model) noexcept;
 
  private:
   static constexpr int bins = static_cast<int>(FloorModel::profile_capacity), levels = 161, middle = levels / 2, reach = 3;
@@ -26,13 +27,13 @@ class FloorProfile {
     double start, step, level;  // m
     int count;                  // bins in use
   };
-  void count(const PlaneSearch& points, const StereoView& view, const FloorModel& model, const Scale& scale) noexcept;
+  void count(const PlaneSearch& points, const Image& disparity, const FloorModel& model, const Scale& scale) noexcept;
   void find_way(const FloorModel& model, const StereoView& view, const Scale& scale) noexcept;
   void write(const Scale& scale, FloorModel& model) const noexcept;
-  float& seen(int bin, int level) { return seen_[static_cast<size_t>(bin * levels + level)]; }
+  static size_t cell(int bin, int level) { return static_cast<size_t>(bin * levels + level); }
 
   const Config& config_;
-  std::vector<float> seen_;               // points by bin and level
+  std::vector<float> seen_;               // points by bin and level, without what stands upright
   std::vector<float> cost_;               // of the cheapest way to here
   std::vector<int8_t> came_from_;         // level of the bin before, less this one
   int way_[bins] = {}, band_[bins] = {};  // level, and how far from it points lie on it

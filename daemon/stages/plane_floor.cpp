@@ -104,7 +104,7 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr);
   if (!found || !PlaneSearch::holds(*found)) return false;
   describe(view, *found, model);
-  if (profiles_ && view.calibrated()) profile_.measure(search_, view, model);
+  if (profiles_ && view.calibrated()) profile_.measure(search_, disparity, model);
   steady(disparity, model);
   if (!std::isnan(model.height_m)) gravity_.found(normal_of(model.pitch_rad, model.roll_rad));
   last_ = model;

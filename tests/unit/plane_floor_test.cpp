@@ -60,6 +60,22 @@ Scene ditch(double near, double far) {
   };
 }
 
+/// Level ground, `deep` m lower from `edge` m ahead on to the right of `side`; a wall leads along the way between the two.
+Scene kerb_beside(double edge, double side, double deep) {
+  return [=](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    double nearest = 0;
+    const auto meets = [&](double z, bool there) {
+      if (z > 0 && there && (nearest == 0 || z < nearest)) nearest = z;
+    };
+    const double up = high / h.y, down = (high + deep) / h.y, wall = side / h.x;
+    meets(up, h.z * up < edge || h.x * up < side);
+    meets(down, h.z * down > edge && h.x * down > side);
+    meets(wall, h.z * wall > edge && h.y * wall > high && h.y * wall < high + deep);
+    return nearest;
+  };
+}
+
 /// A wall `ahead` m away that reaches from `bottom` to `top` m over the level of the floor, seen where the ground is not nearer.
 Scene with_wall_from(const Scene& scene, double ahead, double bottom, double top, double half_width) {
   return [=](const Point& ray) {
@@ -224,6 +240,19 @@ TEST_F(PlaneFloorTest, a_ditch_is_a_drop_off_with_nothing_free_in_it_and_floor_b
     for (double ahead = 2.45; ahead < far; ahead += 0.1) EXPECT_TRUE(risk(ahead, 0) < 0 || risk(ahead, 0) >= 65) << far << ", " << ahead;
     EXPECT_EQ(why(far + 0.4, 0), CellReason::floor) << far;
   }
+}
+
+// The wall beside shows each height between the two grounds at each distance: nothing of that is ground that falls.
+TEST_F(PlaneFloorTest, a_wall_that_leads_down_along_the_way_is_no_ramp_to_the_lower_ground) {
+  config.mounting.height = 0.8f;
+  see(kerb_beside(1.8, -0.9, 0.6));
+  ASSERT_EQ(find(), Outcome::valid);
+  EXPECT_NEAR(model().height_m, high, 0.02);
+  const LocalFloor local(model(), view);
+  for (double ahead = 1.5; ahead < 5; ahead += 0.25) EXPECT_NEAR(local.elevation(ahead), 0, 0.06) << ahead;
+  map();
+  for (double ahead = 3; ahead < 5; ahead += 0.1)
+    for (double right = -0.5; right < 1; right += 0.25) EXPECT_EQ(risk(ahead, right), -1) << ahead << ", " << right;
 }
 
 // A step that the rover climbs is floor, also where it is upright.
