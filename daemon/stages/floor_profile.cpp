@@ -13,7 +13,7 @@ namespace {
 constexpr double roughness = 0.02;        // m, of ground that is one with its profile
 constexpr double disparity_noise = 0.35;  // px
 constexpr float most_counted = 8;         // points of a distance: more say nothing new
-constexpr float least_carried = 2;        // points that show that the floor is there
+constexpr float least_shown = 1;          // points that show that the floor is there: falling ground is grazing, and hardly matched
 constexpr float unlikely = 1e6f;
 // A floor recedes from row to row, least where it rises as steeply as it may, and what falls recedes faster than the plane.
 constexpr int recede_rows = 8;          // of 480, up and down
@@ -84,7 +84,7 @@ void FloorProfile::find_way(const FloorModel& model, const StereoView& view, con
       const float on_it = sums[std::min(level + on + 1, levels)] - sums[std::max(level - on, 0)], below = sums[std::max(level - gap, 0)];
       cost[level] = (price_of_below * std::min(below, most_counted) - std::min(on_it, most_counted)) / most_counted +
                     price_of_level * static_cast<float>(std::abs(level - middle));
-      carries[level] = on_it >= least_carried;
+      carries[level] = on_it >= least_shown;
     }
     ground_seen = ground_seen || carries[middle];
     if (!ground_seen) {
@@ -136,7 +136,7 @@ void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
         sum += points * level;
         count += points;
       }
-      if (count < least_carried) break;
+      if (count < least_shown) break;
       place = sum / count;
     }
     exact[bin] = static_cast<float>((place - middle) * scale.level);

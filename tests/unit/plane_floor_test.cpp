@@ -294,6 +294,22 @@ TEST_F(PlaneFloorTest, a_wall_that_leads_down_along_the_way_is_no_ramp_to_the_lo
     for (double right = -0.5; right < 1; right += 0.25) EXPECT_EQ(risk(ahead, right), -1) << ahead << ", " << right;
 }
 
+// Grazing ground is hardly matched: here in a strip of which one pixel a row is looked at.
+TEST_F(PlaneFloorTest, the_profile_falls_where_little_of_the_falling_ground_is_seen) {
+  constexpr double edge = 2, fall = 0.18;
+  const Scene flat = ground(high);
+  see([&](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double z = flat(ray);
+    if (z > 0 && h.z * z < edge) return z;
+    const double slope = (high - fall * edge) / (h.y - fall * h.z);
+    return slope > 0 && ray.x > 0 && ray.x < 5.5 / view.f ? slope : 0;
+  });
+  ASSERT_EQ(find(), Outcome::valid);
+  const LocalFloor local(model(), view);
+  for (double ahead = 2.5; ahead < 3.6; ahead += 0.25) EXPECT_NEAR(local.elevation(ahead), -fall * (ahead - edge), 0.05) << ahead;
+}
+
 // A step that the rover climbs is floor, also where it is upright.
 TEST_F(PlaneFloorTest, an_upright_step_lower_than_max_height_is_no_obstacle) {
   see(with_wall(ground(high), 2.55, 0.15, -0.4, 0.4));
