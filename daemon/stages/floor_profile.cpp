@@ -46,7 +46,8 @@ void FloorProfile::count(const PlaneSearch& points, const Image& disparity, cons
   const double down = 1 / (16 * model.a), middle_disparity = down * (view.cy - model.b);
   const double cos_roll = std::cos(model.roll_rad), sin_roll = std::sin(model.roll_rad);
   const int rows = std::max(recede_rows * disparity.spec.height / 480, 2), bottom = disparity.spec.height - 1;
-  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope);
+  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope),
+               per_level = 1 / scale.level;
   for (size_t i = 0; i < points.points(); ++i) {
     const auto [u, v, d] = points.point(i);
     if (d <= 0.5) continue;
@@ -54,14 +55,15 @@ void FloorProfile::count(const PlaneSearch& points, const Image& disparity, cons
     const int bin = static_cast<int>(std::floor(ahead / scale.step));
     if (bin < 0 || bin >= scale.count) continue;
     const double floor = model.tilt * u + down * v + middle_disparity, height = model.height_m * (1 - floor / d);
-    const int level = middle + static_cast<int>(std::lround(height / scale.level));
+    // Rounded by casts: lround is a call.
+    const double level = std::max(height * per_level + middle + 0.5, 0.0);
     if (level >= levels) continue;
-    const int column = static_cast<int>(std::lround(u + view.cx)), row = static_cast<int>(std::lround(v + view.cy));
+    const int column = static_cast<int>(u + view.cx + 0.5), row = static_cast<int>(v + view.cy + 0.5);
     const int16_t here = disparity.row<int16_t>(row)[column], near = disparity.row<int16_t>(std::min(row + rows, bottom))[column],
                   far = disparity.row<int16_t>(std::max(row - rows, 0))[column];
     const double least = height < 0 ? least_fall : least_fall * model.height_m / (model.height_m + ahead * steepest);
     const bool upright = (near > 0 && row + rows <= bottom && near - here < least) || (far > 0 && row >= rows && here - far < least);
-    if (!upright) seen_[cell(bin, std::max(level, 0))] += 1;
+    if (!upright) seen_[cell(bin, static_cast<int>(level))] += 1;
   }
 }
 

@@ -150,17 +150,24 @@ PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView&
 
 FloorPlane PlaneSearch::refine(FloorPlane plane, size_t step) const {
   for (const double width : {step > 1 ? 1.5 : 1.0, step > 1 ? 1.2 : 1.0}) {
-    double s[3][4]{};
+    double uu = 0, uv = 0, u1 = 0, ud = 0, vv = 0, v1 = 0, vd = 0, one = 0, d1 = 0;
     for (size_t i = 0; i < n_; i += step) {
       const auto [u, v, d] = point(i);
       // What stands on the floor is nearer: on that side less is allowed for.
       const double floor = plane.across * u + plane.down * v + plane.middle, limit = width * reach(floor) * (d > floor ? nearer_side : 1);
-      const double off = (d - floor) / limit;
-      if (!(floor > 0) || std::abs(off) >= 1) continue;
-      const double weight = (1 - off * off) * (1 - off * off), x[4] = {u, v, 1, d};
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) s[r][c] += weight * x[r] * x[c];
+      if (!(floor > 0) || std::abs(d - floor) >= limit) continue;
+      const double off = (d - floor) / limit, weight = (1 - off * off) * (1 - off * off), by_u = weight * u, by_v = weight * v;
+      uu += by_u * u;
+      uv += by_u * v;
+      u1 += by_u;
+      ud += by_u * d;
+      vv += by_v * v;
+      v1 += by_v;
+      vd += by_v * d;
+      one += weight;
+      d1 += weight * d;
     }
+    double s[3][4] = {{uu, uv, u1, ud}, {uv, vv, v1, vd}, {u1, v1, one, d1}};
     for (int r = 0; r < 3; ++r) {
       if (std::abs(s[r][r]) < 1e-6) return plane;
       for (int other = 0; other < 3; ++other) {
