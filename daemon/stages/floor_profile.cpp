@@ -46,8 +46,7 @@ void FloorProfile::count(const PlaneSearch& points, const Image& disparity, cons
   const double down = 1 / (16 * model.a), middle_disparity = down * (view.cy - model.b);
   const double cos_roll = std::cos(model.roll_rad), sin_roll = std::sin(model.roll_rad);
   const int rows = std::max(recede_rows * disparity.spec.height / 480, 2), bottom = disparity.spec.height - 1;
-  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope),
-               per_level = 1 / scale.level;
+  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope), per_level = 1 / scale.level;
   for (size_t i = 0; i < points.points(); ++i) {
     const auto [u, v, d] = points.point(i);
     if (d <= 0.5) continue;
