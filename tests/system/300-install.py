@@ -75,7 +75,8 @@ class Install(unittest.TestCase):
                      "share/man/man5/vdisp.cfg.5", "etc/vdisp/vdisp.cfg"):
             self.assertTrue((self.prefix / name).is_file(), name)
         headers = {path.name for path in (self.prefix / "include/vdisp").iterdir()}
-        self.assertEqual(headers, {"client.h", "client_c.h", "command.h", "control.h", "control_c.h", "image.h", "records.h"})
+        self.assertEqual(headers, {"client.h", "client_c.h", "command.h", "control.h", "control_c.h", "image.h", "records", "records.h"})
+        self.assertEqual({path.name for path in (self.prefix / "include/vdisp/records").iterdir()}, {path.name for path in (ROOT / "ipc/records").iterdir()})
 
     def test_an_operators_configuration_is_never_written_over(self):
         mine = self.prefix / "etc/vdisp/vdisp.cfg"
