@@ -240,6 +240,19 @@ std::string_view name(Surface surface) {
   return "unknown";
 }
 
+std::string_view name(TruthCell cell) {
+  switch (cell) {
+    case TruthCell::outside: return "outside the picture";
+    case TruthCell::free: return "free ground";
+    case TruthCell::obstacle: return "obstacle";
+    case TruthCell::drop_off: return "edge of a drop-off";
+    case TruthCell::overhang: return "overhang";
+    case TruthCell::hidden: return "hidden";
+    case TruthCell::below: return "bottom of a drop-off";
+  }
+  return "unknown";
+}
+
 uint32_t pixel_bytes(Pixel pixel) {
   switch (pixel) {
     case Pixel::rgb8: return 3;

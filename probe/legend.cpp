@@ -113,6 +113,9 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
       else if (is_surface(topic))
         add_codes<uint8_t>(
             image, items, [](uint8_t v) { return v; }, surface_colour, [](uint8_t v) { return name(Surface{v}); });
+      else if (is_true_cells(topic))
+        add_codes<uint8_t>(
+            image, items, [](uint8_t v) { return v; }, true_cell_colour, [](uint8_t v) { return name(TruthCell{v}); });
       break;
     case Pixel::rgb8:
       if (topic != "show_scene") break;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ipc/dump.h"
+#include "ipc/records.h"
 #include "probe/readout.h"
 #include "probe/scales.h"
 
@@ -172,6 +173,7 @@ Painted counts(const Image& image, const PaintStyle& style) {
 
 Painted greys(std::string_view topic, const Image& image, const PaintStyle& style) {
   if (is_reason(topic)) return plan<uint8_t>(image, style, [](int, int, uint8_t why) { return reason_colour(why); });
+  if (is_true_cells(topic)) return plan<uint8_t>(image, style, [](int, int, uint8_t cell) { return true_cell_colour(cell); });
   if (is_surface(topic)) return {pixelwise<uint8_t>(image, surface_colour)};
   if (topic.ends_with("object"))  // numbers of the simulator's objects, 255 the sky: not brightness
     return {pixelwise<uint8_t>(image, [](uint8_t n) {
@@ -228,6 +230,21 @@ Colour surface_colour(uint8_t surface) {
     case Surface::obstacle: return reason_colour(static_cast<uint8_t>(CellReason::obstacle));
     case Surface::overhang: return reason_colour(static_cast<uint8_t>(CellReason::overhang));
     case Surface::below: return reason_colour(static_cast<uint8_t>(CellReason::drop_off));
+  }
+  return unknown_code;
+}
+
+Colour true_cell_colour(uint8_t cell) {
+  // As the reason that a cell would have if all of it were seen.
+  const auto as = [](CellReason reason) { return reason_colour(static_cast<uint8_t>(reason)); };
+  switch (static_cast<TruthCell>(cell)) {
+    case TruthCell::outside: return as(CellReason::out_of_view);
+    case TruthCell::free: return as(CellReason::floor);
+    case TruthCell::obstacle: return as(CellReason::obstacle);
+    case TruthCell::drop_off: return as(CellReason::drop_off);
+    case TruthCell::overhang: return as(CellReason::overhang);
+    case TruthCell::hidden: return as(CellReason::occluded);
+    case TruthCell::below: return as(CellReason::remembered_drop_off);
   }
   return unknown_code;
 }

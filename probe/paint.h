@@ -21,6 +21,7 @@ Colour rejected_colour(uint8_t code);
 /// The colour of what a cell or a pixel is; codes that this version does not know have one of their own.
 Colour reason_colour(uint8_t cell_reason);
 Colour surface_colour(uint8_t surface);
+Colour true_cell_colour(uint8_t true_cell);
 /// The colour of a cell of `occupancy`: from occupied_from on no shade of what is less.
 Colour occupancy_colour(int8_t percent);
 

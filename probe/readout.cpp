@@ -59,6 +59,7 @@ std::string value_words(std::string_view topic, const Image& image, int column, 
     case Pixel::gray8: {
       const uint8_t value = image.row<uint8_t>(row)[column];
       if (is_reason(topic)) return std::string(name(CellReason{value})) + place_words(image.grid, column, row);
+      if (is_true_cells(topic)) return std::string(name(TruthCell{value})) + place_words(image.grid, column, row);
       return is_surface(topic) ? std::string(name(Surface{value})) : std::to_string(value);
     }
     case Pixel::mask8: return image.row<uint8_t>(row)[column] ? "set" : "not set";

@@ -24,10 +24,11 @@ inline DisparityScale disparity_scale(const CameraGeometry& camera) {
 inline constexpr int votes_scale = 512;                                 ///< counts of the v-disparity, logarithmic
 inline constexpr int height_scale_from = -500, height_scale_to = 1500;  ///< mm over the floor
 
-/// Stages of gray8 whose pixels are codes: CellReason, and Surface.
+/// Stages of gray8 whose pixels are codes: CellReason, Surface, and TruthCell.
 inline std::string_view last_part(std::string_view topic) { return topic.substr(topic.rfind('/') + 1); }  // npos + 1 is 0
 inline bool is_reason(std::string_view topic) { return last_part(topic) == "reason" || last_part(topic) == "fused_reason"; }
 inline bool is_surface(std::string_view topic) { return last_part(topic) == "surface"; }
+inline bool is_true_cells(std::string_view topic) { return last_part(topic) == "map_cells"; }
 
 /// Rows of the picture that a line16 belongs to.
 inline int line_rows(const Image& image, const PaintStyle& style) {

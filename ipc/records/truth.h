@@ -51,5 +51,6 @@ struct TruthScene {
   TruthDrop drop;
 };
 
+std::string_view name(TruthCell cell);
 
 }  // namespace vdisp

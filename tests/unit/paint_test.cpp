@@ -119,6 +119,22 @@ TEST(Paint, reasons_are_a_plan_with_a_legend_of_those_that_are_there) {
   EXPECT_EQ(read_out("reason", image, 30, 10), "row 10  column 30   drop-off  z 3.95 m  x +0.50 m  (cell of 0.10 m)");
 }
 
+TEST(Paint, true_cells_are_a_plan_in_the_colours_of_reasons_with_words) {
+  BufferOutlet outlet = blank(Pixel::gray8, 51, 50);
+  Image& image = outlet.loan();
+  give_grid(image);
+  set<uint8_t>(image, 30, 10, static_cast<uint8_t>(TruthCell::obstacle));
+  const Painted painted = paint("truth/map_cells", image, {});
+  EXPECT_EQ(painted.cell, 12);
+  EXPECT_EQ(painted.picture.row(10 * 12 + 4)[30 * 12 + 4], reason_colour(static_cast<uint8_t>(CellReason::obstacle)));
+  const auto items = legend("truth/map_cells", image, {});
+  ASSERT_EQ(items.size(), 2u);
+  EXPECT_EQ(items[1].to, "obstacle <1%");
+  EXPECT_EQ(read_out("truth/map_cells", image, 30, 10), "row 10  column 30   obstacle  z 3.95 m  x +0.50 m  (cell of 0.10 m)");
+  for (uint8_t a = 0; a < 7; ++a)
+    for (uint8_t b = 0; b < a; ++b) EXPECT_GE(apart(true_cell_colour(a), true_cell_colour(b)), 30) << int{a} << " and " << int{b};
+}
+
 TEST(Paint, surfaces_have_the_colours_of_the_cells_they_make) {
   BufferOutlet outlet = blank(Pixel::gray8, 5, 1);
   for (uint8_t code = 0; code < 5; ++code) set<uint8_t>(outlet.loan(), code, 0, code);
