@@ -19,6 +19,8 @@ struct Window::Implementation {
 
 namespace {
 
+constexpr uint64_t poll_ms = 5;
+
 std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
   switch (key.keysym.sym) {
     case SDLK_DOWN: return Input::next_stage;
@@ -72,8 +74,14 @@ std::optional<Input> Window::wait(int limit_ms) {
   SDL_Event event;
   const auto until = SDL_GetTicks64() + static_cast<uint64_t>(std::max(limit_ms, 0));
   while (true) {
-    const uint64_t now = SDL_GetTicks64();
-    if (!SDL_WaitEventTimeout(&event, now < until ? static_cast<int>(until - now) : 0)) return {};
+    // Not SDL_WaitEventTimeout: it wakes itself by messages over a second connection to the X server, and one that arrives after the
+    // window is gone ends the program with BadWindow.
+    if (!SDL_PollEvent(&event)) {
+      const uint64_t now = SDL_GetTicks64();
+      if (now >= until) return {};
+      SDL_Delay(static_cast<uint32_t>(std::min<uint64_t>(until - now, poll_ms)));
+      continue;
+    }
     switch (event.type) {
       case SDL_QUIT: return Input::quit;
       case SDL_KEYDOWN:
