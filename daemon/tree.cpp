@@ -61,7 +61,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config),
                                       {disparity, left, even_blind(in[1])}, Need::always);
     const auto over =
-        driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1]});
+        driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1], left});
     const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
                                        {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
     driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);

@@ -130,6 +130,7 @@ void FrameDump::add_picture(const std::string& topic, const Image& image) {
   const bool grid = is_grid(topic);
   if (grid) json_->stages[topic]["grid"] = grid_json(image.grid);
   if (!grid && image.camera.f > 0) json_->stages[topic]["camera"] = camera_json(image.camera);
+  if (topic == "surface") json_->stages[topic]["filled"] = filled_pixels(image);
   switch (image.spec.pixel) {
     case Pixel::gray8:
     case Pixel::mask8: return add_file(topic + ".png", plain(PngKind::gray8, image));

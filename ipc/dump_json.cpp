@@ -76,6 +76,15 @@ ordered_json floor_json(const Image& image) {
   return json;
 }
 
+uint64_t filled_pixels(const Image& surface) {
+  uint64_t filled = 0;
+  for (int v = 0; v < surface.spec.height; ++v) {
+    const uint8_t* row = surface.row<uint8_t>(v);
+    filled += static_cast<uint64_t>(std::count(row, row + surface.spec.width, static_cast<uint8_t>(Surface::filled)));
+  }
+  return filled;
+}
+
 ordered_json scene_json(const TruthScene& scene) {
   static constexpr const char* kinds[] = {"unknown", "box", "post", "wall", "rock", "beam"};
   ordered_json json{{"pitch_rad", number(scene.pitch_rad)},

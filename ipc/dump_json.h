@@ -14,6 +14,8 @@ namespace vdisp {
 nlohmann::ordered_json floor_json(const Image& image);
 /// in/odometry, in/imu, in/drive or in/event. Blind, only what became of its messages is told.
 nlohmann::ordered_json input_json(const Image& image);
+/// How many pixels of `surface` were filled.
+uint64_t filled_pixels(const Image& surface);
 nlohmann::ordered_json scene_json(const TruthScene& scene);
 /// `map_changes`. The cells are not told: `occupancy` of the same frame is there.
 nlohmann::ordered_json changes_json(const MapChanges& changes);

@@ -236,6 +236,7 @@ std::string_view name(Surface surface) {
     case Surface::obstacle: return "obstacle";
     case Surface::overhang: return "overhang";
     case Surface::below: return "below the floor";
+    case Surface::filled: return "filled obstacle";
   }
   return "unknown";
 }

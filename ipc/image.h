@@ -66,6 +66,7 @@ enum class Surface : uint8_t {
   obstacle,  ///< higher, and in the way
   overhang,  ///< so high that the rover passes below
   below,     ///< under the floor, or of the far side of a ditch
+  filled,    ///< without a disparity of its own: inside an even surface whose edges are obstacle (paper 5.3)
 };
 
 /// A cell of `occupancy` with this or more is an obstacle.

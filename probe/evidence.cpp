@@ -31,15 +31,16 @@ int points_around(const Image& map, const MapCell& cell) {
   return sum;
 }
 
-Standing standing_in(const MapCell& cell, const Image& disparity, const Reprojection& reprojection) {
+Standing standing_in(const MapCell& cell, const Image& disparity, const Image& surface, const Reprojection& reprojection) {
   const int width = disparity.spec.width, height = disparity.spec.height;
-  Standing standing{0, width, -1, height, -1, 1e9, -1e9};
+  Standing standing{0, 0, width, -1, height, -1, 1e9, -1e9};
   for (int v = 0; v < height; ++v) {
     const int16_t* row = disparity.row<int16_t>(v);
     for (int u = 0; u < width; ++u) {
       const double d = row[u] / 16.0;
       if (rejected_code(row[u]) || reprojection.cell_of(u, v, d) != cell) continue;
       ++standing.pixels;
+      standing.filled += surface.row<uint8_t>(v)[u] == static_cast<uint8_t>(Surface::filled);
       standing.left = std::min(standing.left, u);
       standing.right = std::max(standing.right, u);
       standing.top = std::min(standing.top, v);

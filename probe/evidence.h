@@ -23,12 +23,14 @@ Tally tally_of(const Image& disparity, const Image& surface, const CellView& vie
 /// line of sight.
 int points_around(const Image& map, const MapCell& cell);
 
-/// The pixels of an image of disparities that stand in one cell: where they are, to their last, and their disparities in px.
+/// The pixels of an image of disparities that stand in one cell, and of the surface that tells which of them were filled: where they are,
+/// to their last, and their disparities in px.
 struct Standing {
   int pixels = 0;
+  int filled = 0;  ///< of these, by their edges alone
   int left, right, top, bottom;
   double least, most;
 };
-Standing standing_in(const MapCell& cell, const Image& disparity, const Reprojection& reprojection);
+Standing standing_in(const MapCell& cell, const Image& disparity, const Image& surface, const Reprojection& reprojection);
 
 }  // namespace vdisp

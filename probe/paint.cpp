@@ -230,6 +230,7 @@ Colour surface_colour(uint8_t surface) {
     case Surface::obstacle: return reason_colour(static_cast<uint8_t>(CellReason::obstacle));
     case Surface::overhang: return reason_colour(static_cast<uint8_t>(CellReason::overhang));
     case Surface::below: return reason_colour(static_cast<uint8_t>(CellReason::drop_off));
+    case Surface::filled: return {244, 158, 66};
   }
   return unknown_code;
 }

@@ -108,10 +108,11 @@ std::pair<std::string, ordered_json> counts_of(const std::array<int, 256>& count
 }
 
 void tell_standing(const Standing& at, Account& account) {
-  ordered_json& json = account.json["standing"] = {{"pixels", at.pixels}};
+  ordered_json& json = account.json["standing"] = {{"pixels", at.pixels}, {"filled", at.filled}};
   if (at.pixels == 0) return account.line("standing", "no pixel of an obstacle stands in it");
   account.line("standing", format("%d pixels of obstacles stand in it: rows %d to %d, columns %d to %d, %.2f to %.2f px", at.pixels, at.top,
                                   at.bottom, at.left, at.right, at.least, at.most));
+  if (at.filled > 0) account.line("filled", format("%d of them have no match of their own: an even surface between its edges", at.filled));
   json.update({{"rows", {at.top, at.bottom}}, {"columns", {at.left, at.right}}, {"disparities", {rounded(at.least), rounded(at.most)}}});
 }
 
@@ -147,7 +148,7 @@ void tell_cell(const Frame& frame, const MapCell& cell, Account& account) {
   tell_verdict(frame, cell, account);
   const Reprojection reprojection(frame[disparity], *floor, frame[occupancy]);
   if (!reprojection.possible()) return;
-  tell_standing(standing_in(cell, frame[standing], reprojection), account);
+  tell_standing(standing_in(cell, frame[standing], frame[surface], reprojection), account);
   tell_view(frame, reprojection.view_of(cell), account);
   tell_floor(*floor, account);
 }
@@ -176,22 +177,26 @@ void tell_pixel(const Frame& frame, int row, int column, Account& account) {
   if (!reprojection.possible()) return;
   const int16_t mm = frame[height].row<int16_t>(row)[column];
   const Surface what{frame[surface].row<uint8_t>(row)[column]};
+  const bool filled = what == Surface::filled;
+  const double by_edges = filled ? frame[standing].row<int16_t>(row)[column] / 16.0 : NAN;
   const double depth = d ? reprojection.depth(*d).value_or(NAN) : NAN;  // NaN is null in JSON
   const auto on_floor = reprojection.floor_disparity(column, row);
   if (depth > 0) account.line("depth", format("%.2f m along the view", depth));
   if (mm != height_unknown) account.line("height", format("%+.3f m over the local floor", mm / 1000.0));
   account.line("surface", std::string(name(what)));
+  if (filled) account.line("filled", format("%.2f px by the edges of the even surface that it is part of", by_edges));
   account.line("plane", on_floor ? format("floor would have %.2f px here", *on_floor) : "above the horizon: no floor here");
   account.json["pixel"].update({{"depth", rounded(depth)},
                                 {"height", mm == height_unknown ? ordered_json(nullptr) : ordered_json(mm / 1000.0)},
                                 {"surface", name(what)},
+                                {"filled_disparity", rounded(by_edges)},
                                 {"floor_disparity", rounded(on_floor.value_or(NAN))}});
   tell_floor(*floor, account);
   // What has no disparity may be floor: the cell that would be seen here.
-  const auto at = d ? d : on_floor;
+  const auto at = d ? d : filled ? std::optional(by_edges) : on_floor;
   const auto cell = at ? reprojection.cell_of(column, row, *at) : std::nullopt;
   if (!cell) return account.line("cell", at ? "none: it stands outside the map" : "none: no disparity, and no floor here");
-  if (!d) account.line("as floor", "it would lie in this cell:");
+  if (!d && !filled) account.line("as floor", "it would lie in this cell:");
   tell_verdict(frame, *cell, account);
 }
 

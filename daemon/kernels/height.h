@@ -15,6 +15,7 @@ enum class Surface : uint8_t {
   obstacle,  ///< higher, and in the way
   overhang,  ///< so high that the rover passes below
   below,     ///< under the floor
+  filled,    ///< obstacle, without a disparity of its own: the kernel makes none of these
 };
 
 /// height = camera - scale * d_floor / d' - profile[d], mm, where d_floor = first + u * step is the plane's true disparity at column u.

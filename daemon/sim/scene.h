@@ -83,6 +83,7 @@ class Scene {
   void lay_path();
   void build_yard(Chance& chance);
   void build_flat(Chance& chance);
+  void build_blank(Chance& chance);
   void build_five();
   void build_crowd(Chance& chance);
   void build_overhangs(Chance& chance);

@@ -1,4 +1,4 @@
-// yard.cpp: the scenes: a yard to drive through, random obstacles on flat ground, the paper's five objects, a wall.
+// yard.cpp: the scenes: a yard to drive through, random obstacles on flat ground, blank ones, the paper's five objects, a wall.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
@@ -22,6 +22,8 @@ Scene::Scene(const sim_section& parameters) : parameters_(parameters), ground_(p
     build_crowd(chance);
   } else if (name == "overhangs") {
     build_overhangs(chance);
+  } else if (name == "blank") {
+    build_blank(chance);
   } else if (name == "wall") {
     objects_.push_back(make(ObjectKind::wall, 0, 2, 30, 0.3, 8, 0, 150));
     objects_.back().textured = false;
@@ -120,6 +122,33 @@ void Scene::build_flat(Chance& chance) {
     place(object);
   }
   for (int i = 0; i < small; ++i) place(small_object(chance));
+}
+
+/// What has edges and no texture; with every other seed also a gate: two posts side by side with nothing between them.
+void Scene::build_blank(Chance& chance) {
+  double middle = 0, half_gate = 0;
+  if (parameters_.seed % 2 == 0) {
+    const double z = chance.between(2.4, 4), tall = chance.between(0.7, 1.4);
+    middle = chance.between(-0.2, 0.2);
+    half_gate = chance.between(0.25, 0.45);
+    for (const double x : {middle * z - half_gate, middle * z + half_gate})
+      objects_.push_back(make(ObjectKind::post, x, z, 0.14, 0.14, tall, 0, chance.between(60, 190)));
+  }
+  for (int i = 0; i < 3; ++i) {
+    SceneObject object = make(ObjectKind::box, 0, 0, chance.between(0.3, 0.8), chance.between(0.3, 0.6), chance.between(0.3, 0.9),
+                              chance.between(-0.8, 0.8), chance.between(40, 230));
+    if (i == 0 && chance.below(2))
+      object = make(ObjectKind::wall, 0, 0, chance.between(0.8, 1.6), 0.2, chance.between(0.5, 1.1), chance.between(-0.5, 0.5), 200);
+    object.textured = false;
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      object.z = chance.between(1.5 + object.radius(), 4.5);
+      object.x = chance.between(-0.4, 0.4) * object.z;
+      const double aside = std::abs(object.x - middle * object.z) - object.radius();
+      if ((half_gate > 0 && aside < half_gate + 0.1) || !fits(object, 0, 0.15) || hides(object)) continue;
+      objects_.push_back(object);
+      break;
+    }
+  }
 }
 
 void Scene::build_five() {

@@ -27,7 +27,9 @@ bool ShowSurface::filter(const Image& surface, Image& out) noexcept {
   for (int v = 0; v < out.spec.height; ++v) {
     const uint8_t* from = surface.row<uint8_t>(v);
     uint8_t* to = out.row<uint8_t>(v);
-    for (int u = 0; u < out.spec.width; ++u) to[u] = from[u] == static_cast<uint8_t>(kernels::Surface::obstacle) ? 255 : 0;
+    for (int u = 0; u < out.spec.width; ++u)
+      to[u] = from[u] == static_cast<uint8_t>(kernels::Surface::obstacle) || from[u] == static_cast<uint8_t>(kernels::Surface::filled) ? 255
+                                                                                                                                       : 0;
   }
   return true;
 }

@@ -16,6 +16,11 @@ void mix(uint8_t* pixel, const uint8_t (&colour)[3], int of_16) {
   for (int i = 0; i < 3; ++i) pixel[i] = static_cast<uint8_t>((pixel[i] * (16 - of_16) + colour[i] * of_16) / 16);
 }
 
+/// What was filled is drawn as the obstacle that it is.
+uint8_t as_drawn(uint8_t surface) {
+  return static_cast<uint8_t>(surface == static_cast<uint8_t>(Surface::filled) ? Surface::obstacle : Surface{surface});
+}
+
 /// m from mark to mark, so that some ten are seen.
 double marks(double range) { return range <= 12 ? 1 : range <= 60 ? 5 : 10; }
 
@@ -81,7 +86,7 @@ void ShowScene::tint(const View& view, const Image& occupancy, const Image& surf
     const uint8_t* what = surface.row<uint8_t>(v);
     for (int u = 0; u < out.spec.width; ++u, pixel += 3) {
       const auto row = std::lround(v + lean * (u - view.stereo.cx)) + margin_;
-      if (what[u] == stands || row < 0 || row >= static_cast<long>(depth_disparity_.size())) continue;
+      if (as_drawn(what[u]) == stands || row < 0 || row >= static_cast<long>(depth_disparity_.size())) continue;
       const double d = static_cast<double>(depth_disparity_[static_cast<size_t>(row)]);
       if (!(d > 0)) continue;
       const Point at = horizontal(view.stereo.point(u, v, d + view.stereo.cx_offset), view.model.pitch_rad, view.model.roll_rad);
@@ -109,9 +114,10 @@ void ShowScene::outline(const Image& surface, Image& out) const noexcept {
                   *under = surface.row<uint8_t>(std::min(v + 2, height - 1));
     uint8_t* pixel = out.row<uint8_t>(v);
     for (int u = 0; u < width; ++u, pixel += 3) {
-      const uint8_t what = here[u];
+      const uint8_t what = as_drawn(here[u]);
       if (what != stands && what != below) continue;
-      const bool rim = here[std::max(u - 2, 0)] != what || here[std::min(u + 2, width - 1)] != what || over[u] != what || under[u] != what;
+      const bool rim = as_drawn(here[std::max(u - 2, 0)]) != what || as_drawn(here[std::min(u + 2, width - 1)]) != what ||
+                       as_drawn(over[u]) != what || as_drawn(under[u]) != what;
       if (what == stands) {
         mix(pixel, blocked, rim ? 16 : 4);
       } else if (rim) {

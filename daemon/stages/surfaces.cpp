@@ -17,18 +17,22 @@ constexpr int least_band = 32;         // rows
 constexpr bool same(kernels::Surface a, Surface b) { return static_cast<uint8_t>(a) == static_cast<uint8_t>(b); }
 static_assert(same(kernels::Surface::none, Surface::none) && same(kernels::Surface::floor, Surface::floor) &&
               same(kernels::Surface::obstacle, Surface::obstacle) && same(kernels::Surface::overhang, Surface::overhang) &&
-              same(kernels::Surface::below, Surface::below));
+              same(kernels::Surface::below, Surface::below) && same(kernels::Surface::filled, Surface::filled));
 
 }  // namespace
 
 std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
-  if (in.size() != 2) throw FormatError("takes the disparity and the floor model, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 3)
+    throw FormatError("takes the disparity, the floor model and the left view, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::disparity16, "the disparity");
   require(in[1], Pixel::record, "the floor model");
+  require(in[2], Pixel::gray8, "the left view");
+  require_same_size(in[0], in[2]);
   const size_t columns = 16 * static_cast<size_t>(config_.image_source.ndisp) + 64;
   inverse_.assign(columns, 0.0f);
   profile_.assign(columns, 0.0f);
   upright_.prepare(in[0]);
+  filling_.prepare(in[0]);
   const uint16_t width = in[0].width, height = in[0].height;
   return {{Pixel::height16, 0, width, height},
           {Pixel::gray8, 0, width, height},
@@ -68,6 +72,7 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
     }
   });
   upright_.mark(disparity, model, out);
+  filling_.fill(disparity, *in[2], model, {inverse_.data(), profile_.data()}, out);
   return Outcome::valid;
 }
 

@@ -5,12 +5,13 @@
 #include "config/config.h"
 #include "daemon/core/processor.h"
 #include "daemon/kernels/aligned.h"
+#include "daemon/stages/filling.h"
 #include "daemon/stages/machine.h"
 #include "daemon/stages/upright.h"
 
 namespace vdisp {
 
-/// disparity16 and FloorModel to
+/// disparity16, FloorModel and the left view to
 ///   height16     mm over the local floor
 ///   gray8        what each pixel is (Surface)
 ///   disparity16  the disparities of obstacles alone, all others refused
@@ -18,10 +19,10 @@ namespace vdisp {
 ///
 /// A pixel with the true disparity d' lies H (1 - d_floor / d') over the plane of a camera H high, with d_floor what the plane has there:
 /// for both points of a ray, distances over the plane and depths are in proportion. What stands upright is looked for besides (Upright): no
-/// part of it is floor.
+/// part of it is floor. What is even between the edges of obstacles becomes obstacle (Filling).
 class Surfaces final : public ImageProcessor {
  public:
-  Surfaces(Machine& machine, const Config& config) : machine_(machine), config_(config), upright_(config) {}
+  Surfaces(Machine& machine, const Config& config) : machine_(machine), config_(config), upright_(config), filling_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
@@ -29,6 +30,7 @@ class Surfaces final : public ImageProcessor {
   Machine& machine_;
   const Config& config_;
   Upright upright_;
+  Filling filling_;
   kernels::Aligned<float> inverse_, profile_;  // kernels::HeightTables
 };
 

@@ -31,6 +31,7 @@ KINDS = {
     "texture": ({"sim.texture": 0.3}, 4, "contrast of all textures 0.3"),
     "kerb": ({"sim.ground": "kerb"}, 4, "step down of 0.3 to 1 m, 1.2 to 3 m ahead"),
     "ditch": ({"sim.ground": "ditch"}, 4, "ditch as deep, there"),
+    "blank": ({"sim.scene": "blank"}, 4, "boxes and walls without texture, posts side by side"),
     "overhangs": ({"sim.scene": "overhangs", "Limit obstacle.clearance": 1, **LEVEL}, 4, "beams at 1.2 to 1.6 m, and at 0.3 to 0.7 m; pitch 0.1 rad"),
 }
 
@@ -88,7 +89,7 @@ def all_near(mask):
 
 
 def look_at_kind(frame):
-    truth, floor = SceneTruth(frame, GRID), frame.floor
+    truth, floor = SceneTruth(frame, GRID, plain_counts=True), frame.floor  # of these kinds only `blank` has objects without texture
     known = floor["state"] in ("found", "held") and floor["pitch_rad"] is not None
     drop = np.isin(truth.kind, (DROP_OFF, BELOW)) | beyond_edge(truth)
     look = {"frame": str(frame.folder), "state": floor["state"],
@@ -157,7 +158,7 @@ def judge(section, row):
     """Gates are for the map that planners are meant to read; the count map is the paper's, and shown for comparison."""
     if row["from"] != "occupancy":
         return
-    if row["to find"]:
+    if row["to find"] and row["kind"] != "blank":  # most of what has no texture is not found: shown, not asked for
         section.gate(f"{row['kind']}: obstacles found within one cell", row["found"] >= 0.98, f"{100 * row['found']:.2f} %", ">= 98 %")
     if row["drop-offs"]:
         section.gate(f"{row['kind']}: drop-offs found", row["found "] >= 0.95, f"{100 * row['found ']:.1f} %", ">= 95 %")

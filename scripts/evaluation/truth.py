@@ -29,15 +29,15 @@ class TruthObject:
 class SceneTruth:
     """Truth of one frame, made from truth/disparity, truth/object, truth/height and truth_scene alone.
 
-    An object must be found if it is textured, stands or hangs lower than CLEARANCE, is at least 0.3 m tall and wide, its nearest point (higher than max_height) lies 1 to
+    An object must be found if it is textured (or plain_counts), stands or hangs lower than CLEARANCE, is at least 0.3 m tall and wide, its nearest point (higher than max_height) lies 1 to
     4.5 m ahead in the map, and at least half of its outline is seen and matchable: not hidden, inside the image, not in the left
     border that has no counterpart in the right view (u < ndisp - 1 + half the window), nor nearer than f B / (ndisp - 1).
     """
 
-    def __init__(self, frame, grid, max_height=0.2, ndisp=48, corrsize=11):
+    def __init__(self, frame, grid, max_height=0.2, ndisp=48, corrsize=11, plain_counts=False):
         scene, camera = frame.json["truth_scene"], frame.camera("truth/disparity")
         self.pitch, self.roll, self.height = scene["pitch_rad"], scene["roll_rad"], scene["height_m"]
-        self.grid, self.camera = grid, camera
+        self.grid, self.camera, self.plain_counts = grid, camera, plain_counts
         disparity = frame.image("truth/disparity") / 16.0
         number = frame.image("truth/object")
         true_disparity = disparity - camera["cx_offset"]
@@ -84,7 +84,7 @@ class SceneTruth:
         columns = np.nonzero(usable.any(axis=0))[0]
         nearest = np.where(usable[:, columns], self.z[:, columns], np.inf).argmin(axis=0)
         item.contour = self.grid.mask(self.x[nearest, columns], self.z[nearest, columns])
-        item.must_be_found = bool(entry["textured"] and entry["bottom"] < CLEARANCE and entry["height"] >= 0.3 and entry["width"] >= 0.3
+        item.must_be_found = bool((entry["textured"] or self.plain_counts) and entry["bottom"] < CLEARANCE and entry["height"] >= 0.3 and entry["width"] >= 0.3
                                   and 1.0 <= item.distance <= 4.5 and item.share >= 0.5 and item.front.any())
 
     def outline_area(self, entry):

@@ -18,6 +18,8 @@ from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
 # A small scene with everything in it: ground, obstacles near and far, noise.
 BASE = ["main.middleware=none", "main.debug=0", "image source.source=sim", "sim.scene=flat", "sim.seed=3", "sim.width=320",
         "sim.height=240", "sim.rate=0", "image source.ndisp=32"]
+# Boxes without texture, in the camera's full size.
+BLANK = ["sim.scene=blank", "sim.seed=1", "sim.width=640", "sim.height=480", "image source.ndisp=48"]
 
 
 class Dumped:
@@ -500,6 +502,13 @@ class Parameters(ProgramTest):
         # A beam at 1.2 m and more is in the way of who is higher than that.
         self.rises("Limit obstacle.clearance", [0.9, 3], lambda d: (d.picture("obstacles") > 0).sum(), "sim.scene=overhangs", "sim.pitch=0.1")
 
+    def test_limit_obstacle_fill(self):
+        # A narrow face and a wide one have edges and no texture; 0 fills none.
+        self.rises("Limit obstacle.fill", [0, 0.4, 2], lambda d: d.json["stages"]["surface"]["filled"], *BLANK)
+        dumped = self.dump("Limit obstacle.fill=2", *BLANK)
+        surface, number = dumped.picture("surface"), dumped.picture("truth/object")
+        self.assertGreater(((number > 0) & (number < 255))[surface == 5].mean(), 0.97)  # of the boxes, not of floor and sky
+
     def test_limit_obstacle_and_map_angRot(self):
         self.falls("Limit obstacle.angRot", [0, 0.26, 0.8], lambda d: d.line("limit")[300, 1], "Floor.model=line")
         # What lies below the axis is taken to be nearer, the more the camera is taken to look down.
@@ -541,7 +550,7 @@ class Parameters(ProgramTest):
         def left(scene):
             return self.dump(f"sim.scene={scene}", "sim.pitch=0.05").picture("camera/left").astype(int)
         first = left("flat")
-        for scene in ("drive", "obstacles", "empty", "wall", "crowded", "overhangs"):
+        for scene in ("drive", "obstacles", "empty", "wall", "crowded", "overhangs", "blank"):
             self.assertGreater(numpy.abs(first - left(scene)).mean(), 2, scene)
 
     def test_sim_seed(self):

@@ -283,6 +283,19 @@ class Why(ProgramTest):
                 self.assertGreater(pixel["height"], 0.2)  # max_height
         self.assertGreater(found, 3)
 
+    def test_what_was_filled_is_told(self):
+        # The front of the near box: no texture, and edges.
+        self.daemon("sim.scene=blank")
+        told = self.why(200, 250, "--pixel")
+        pixel = told["pixel"]
+        self.assertEqual((pixel["disparity"], pixel["surface"]), (None, "filled obstacle"))
+        self.assertGreater(pixel["filled_disparity"], 10)
+        self.assertGreater(pixel["height"], 0.2)
+        self.assertEqual(told["cell"]["verdict"], "obstacle")
+        told = self.why(told["cell"]["row"], told["cell"]["column"])
+        self.assertGreater(told["standing"]["filled"], 10)
+        self.assertLessEqual(told["standing"]["filled"], told["standing"]["pixels"])
+
     def test_words_tell_what_json_tells(self):
         self.daemon("sim.scene=empty")
         told = run("vdisp-probe", "why", 29, 25, "--cell").stdout

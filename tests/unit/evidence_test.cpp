@@ -143,9 +143,14 @@ TEST_F(Evidence, what_stands_in_a_cell_is_found_wherever_it_is_in_the_image) {
     disparity.row<int16_t>(static_cast<int>(seen.v))[static_cast<int>(seen.u)] = static_cast<int16_t>(std::lround(16 * seen.d));
   }
   disparity.row<int16_t>(470)[600] = 50 * 16;
-  const Standing standing = standing_in(cell, disparity, reprojection());
+  Image& surface = surface_.loan();
+  for (int v = 0; v < 480; ++v) std::fill_n(surface.row<uint8_t>(v), 640, static_cast<uint8_t>(Surface::none));
+  const Seen filled = see(0.5, 2.05, 0.2);
+  surface.row<uint8_t>(static_cast<int>(filled.v))[static_cast<int>(filled.u)] = static_cast<uint8_t>(Surface::filled);
+  const Standing standing = standing_in(cell, disparity, surface, reprojection());
   const Seen top = see(0.5, 2.05, 0.3), foot = see(0.5, 2.05, 0.1);
   EXPECT_EQ(standing.pixels, 3);
+  EXPECT_EQ(standing.filled, 1);
   EXPECT_EQ(standing.top, static_cast<int>(top.v));
   EXPECT_EQ(standing.bottom, static_cast<int>(foot.v));
   EXPECT_NEAR(standing.least, std::min(top.d, foot.d), 0.04);

@@ -72,7 +72,7 @@ struct MemoryTest : testing::Test {
                                 0,
                                 config.image_source.ndisp,
                                 {}};
-    surfaces = std::make_unique<Stage>(std::make_unique<Surfaces>(machine, config), std::vector{&disparity, &floor});
+    surfaces = std::make_unique<Stage>(std::make_unique<Surfaces>(machine, config), std::vector{&disparity, &floor, &left});
     auto& over = surfaces->out;
     occupancy = std::make_unique<Stage>(std::make_unique<Occupancy>(machine, config),
                                         std::vector{&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), &floor, &left});

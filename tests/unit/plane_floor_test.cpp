@@ -123,7 +123,7 @@ struct PlaneFloorTest : testing::Test {
   Reason reason() { return floor.at(0)->image().reason; }
   void map() {
     Surfaces surfaces(machine, config);
-    ASSERT_EQ(run_stage(surfaces, {&disparity, floor[1].get()}, over), Outcome::valid);
+    ASSERT_EQ(run_stage(surfaces, {&disparity, floor[1].get(), &left}, over), Outcome::valid);
     Occupancy occupancy(machine, config);
     ASSERT_EQ(
         run_stage(occupancy, {&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), floor[1].get(), &left}, ground_map),
