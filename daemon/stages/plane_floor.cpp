@@ -7,7 +7,6 @@
 
 #include "daemon/stages/local_floor.h"
 #include "daemon/stages/projection.h"
-#include "daemon/stages/underfoot.h"
 
 namespace vdisp {
 namespace {
@@ -100,15 +99,10 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   if (const auto turned = predicted(view)) {
     last = {*turned, turned_off};
   } else if (last_) {
-    last = {seen_, last_off};
+    last = {LocalFloor(*last_, view).plane(), last_off};
   }
-  auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr);
+  const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr);
   if (!found || !PlaneSearch::holds(*found)) return false;
-  seen_ = found->plane;
-  if (profiles_) {
-    const auto turned = predicted(view);
-    found->plane = plane_underfoot(seen_, disparity.spec.height - 1 - view.cy, turned ? &*turned : nullptr, view, config_).value_or(seen_);
-  }
   describe(view, *found, model);
   if (profiles_ && view.calibrated()) profile_.measure(search_, disparity, model);
   steady(disparity, model);

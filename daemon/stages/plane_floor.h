@@ -42,7 +42,6 @@ class PlaneFloor final : public ImageProcessor {
   FloorProfile profile_;
   Gravity gravity_;
   std::optional<FloorModel> last_;  // found
-  FloorPlane seen_;                 // of that frame: the plane that most points lie on
   int64_t last_ns_ = 0;
 };
 

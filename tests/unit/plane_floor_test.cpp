@@ -192,45 +192,6 @@ TEST_F(PlaneFloorTest, the_profile_follows_a_ramp) {
   for (double ahead = 1.2; ahead < 4; ahead += 0.1) EXPECT_LT(risk(ahead, 0), 65) << ahead;
 }
 
-/// Level up to `foot` m ahead, then a slope (tangent `rise`).
-Scene slope_from(double foot, double rise) {
-  return [=](const Point& ray) {
-    const Point h = horizontal(ray, pitch);
-    const double flat = h.y > 1e-6 ? high / h.y : 0, slope = (high + rise * foot) / (h.y + rise * h.z);
-    return flat > 0 && flat * h.z < foot ? flat : std::max(slope, 0.0);
-  };
-}
-
-TEST_F(PlaneFloorTest, before_a_slope_that_is_all_that_is_seen_the_rover_stands_where_its_mounting_tells) {
-  config.mounting.height = static_cast<float>(high);
-  config.mounting.pitch = static_cast<float>(pitch);
-  for (double rise : {0.2, -0.15}) {
-    stage.reset();
-    see(slope_from(1, rise));  // the lowest row shows 1.04 m
-    ASSERT_EQ(find(), Outcome::valid);
-    EXPECT_NEAR(model().pitch_rad, pitch, 0.005) << rise;
-    EXPECT_NEAR(model().height_m, high, 0.01) << rise;
-    const LocalFloor local(model(), view);
-    for (double ahead = 1.5; ahead < 3.5; ahead += 0.5)
-      EXPECT_NEAR(local.elevation(ahead), rise * (ahead - 1), 0.04) << rise << ", " << ahead;
-    map();
-    for (double ahead = 1.2; ahead < 3.5; ahead += 0.1) EXPECT_TRUE(risk(ahead, 0) >= 0 && risk(ahead, 0) < 65) << rise << ", " << ahead;
-  }
-}
-
-TEST_F(PlaneFloorTest, what_is_told_of_the_mounting_is_no_floor_where_the_near_ground_is_another) {
-  config.mounting.height = 0.72f;
-  config.mounting.pitch = static_cast<float>(pitch);
-  see(ground(high));
-  ASSERT_EQ(find(), Outcome::valid);
-  EXPECT_NEAR(model().height_m, high, 0.01) << "measured wrongly by the operator";
-  config.mounting.height = static_cast<float>(high);
-  stage.reset();
-  see(ground(high, 0, pitch + 0.09));
-  ASSERT_EQ(find(), Outcome::valid);
-  EXPECT_NEAR(model().pitch_rad, pitch + 0.09, 0.005) << "a rover that nods";
-}
-
 TEST_F(PlaneFloorTest, a_wall_is_an_obstacle_and_hides_what_lies_behind_it) {
   see(with_wall(ground(high), 2.55, 0.5, -0.4, 0.4));
   ASSERT_EQ(find(), Outcome::valid);
