@@ -14,18 +14,18 @@ namespace {
 
 constexpr int columns_looked_at = 160, rows_looked_at = 120;  // of any image: every 4th in 640x480
 constexpr size_t runs_of_row = 32;
-constexpr int least_run = 3;               // samples
-constexpr int even_within = 16;            // grey levels, within a sample: camera noise
-constexpr int even_step = 10;              // from sample to sample, means
-constexpr float even_rows = 8;             // of whole runs, from row to row
-constexpr int beside = 2;                  // samples: edges are no straighter
-constexpr int border_within = 4;           // samples: the match nearest to a run is its border
-constexpr float most_off = 0.2f;           // of its matches, that may lie off it
-constexpr int least_rows = 4;              // of an edge
-constexpr int most_beyond = 2;             // rows that a surface may go on below the end of its edge
-constexpr float least_share = 0.6f;        // of a surface's rows, that have both edges
-constexpr float foot_of_step = 0.4f;       // of max_height: as near to the floor an edge ends
-constexpr double lean = 0.8;                // of its width: a surface's ends may lie so far behind each other
+constexpr int least_run = 3;          // samples
+constexpr int even_within = 16;       // grey levels, within a sample: camera noise
+constexpr int even_step = 10;         // from sample to sample, means
+constexpr float even_rows = 8;        // of whole runs, from row to row
+constexpr int beside = 2;             // samples: edges are no straighter
+constexpr int border_within = 4;      // samples: the match nearest to a run is its border
+constexpr float most_off = 0.2f;      // of its matches, that may lie off it
+constexpr int least_rows = 4;         // of an edge
+constexpr int most_beyond = 2;        // rows that a surface may go on below the end of its edge
+constexpr float least_share = 0.6f;   // of a surface's rows, that have both edges
+constexpr float foot_of_step = 0.4f;  // of max_height: as near to the floor an edge ends
+constexpr double lean = 0.8;          // of its width: a surface's ends may lie so far behind each other
 constexpr int16_t least_matched = rejected_base;
 
 }  // namespace
@@ -90,7 +90,8 @@ void Filling::find_runs(const Frame& frame, int number) noexcept {
     if (from >= 0 && to - from >= least_run && 4 * matched <= to - from && runs_.size() < most) {
       const auto column = [&](int sample) { return sample * across_ + across_ / 2; };
       runs_.push_back({static_cast<int16_t>(number), static_cast<int16_t>(from), static_cast<int16_t>(to), -1, false, false,
-                       static_cast<float>(sum) / static_cast<float>(4 * (to - from)), border(frame, v, column(from), -1), border(frame, v, column(to - 1), 1)});
+                       static_cast<float>(sum) / static_cast<float>(4 * (to - from)), border(frame, v, column(from), -1),
+                       border(frame, v, column(to - 1), 1)});
     }
     from = -1;
   };
@@ -151,7 +152,7 @@ void Filling::link(size_t first_above, size_t first, size_t end) noexcept {
 }
 
 /// The straight line through the side's matches that are obstacle, and how far down matches go on along it.
-bool Filling::edge_of(const Frame& frame, std::span<const Run> surface, Border Run::* side, int16_t Run::* end, Edge& edge) const noexcept {
+bool Filling::edge_of(const Frame& frame, std::span<const Run> surface, Border Run::*side, int16_t Run::*end, Edge& edge) const noexcept {
   float n = 0, x = 0, xx = 0, y = 0, xy = 0;
   for (const Run& run : surface) {
     const Border& at = run.*side;
@@ -187,7 +188,9 @@ bool Filling::edge_of(const Frame& frame, std::span<const Run> surface, Border R
 
 void Filling::fill_surface(const Frame& frame, std::span<const Run> surface, std::span<Image* const> out) const noexcept {
   Edge left, right;
-  if (surface.size() < least_rows || !edge_of(frame, surface, &Run::left, &Run::from, left) || !edge_of(frame, surface, &Run::right, &Run::to, right)) return;
+  if (surface.size() < least_rows || !edge_of(frame, surface, &Run::left, &Run::from, left) ||
+      !edge_of(frame, surface, &Run::right, &Run::to, right))
+    return;
   const int common = std::min(left.last, right.last) - std::max(left.first, right.first);
   if (static_cast<float>(common) < least_share * static_cast<float>(down_) * static_cast<float>(surface.size() - 1)) return;
   for (const Run& run : surface) {
@@ -200,8 +203,7 @@ void Filling::fill_surface(const Frame& frame, std::span<const Run> surface, std
                  behind = 16 * fb / std::min(d_left, d_right) - near, width = (last - first) / frame.view.f * near;
     if (width > config_.limit.fill || behind > lean * width) continue;
     const float per_column = (right.of(v) - left.of(v)) / static_cast<float>(last - first);
-    for (int r = v - down_ / 2; r < v - down_ / 2 + down_; ++r)
-      fill_row(frame, r, first, last, left.of(v), per_column, out);
+    for (int r = v - down_ / 2; r < v - down_ / 2 + down_; ++r) fill_row(frame, r, first, last, left.of(v), per_column, out);
   }
 }
 

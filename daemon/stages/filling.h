@@ -68,7 +68,7 @@ class Filling {
   void find_runs(const Frame& frame, int number) noexcept;
   Border border(const Frame& frame, int row, int column, int step) const noexcept;
   void link(size_t first_above, size_t first, size_t end) noexcept;
-  bool edge_of(const Frame& frame, std::span<const Run> surface, Border Run::* side, int16_t Run::* end, Edge& edge) const noexcept;
+  bool edge_of(const Frame& frame, std::span<const Run> surface, Border Run::*side, int16_t Run::*end, Edge& edge) const noexcept;
   void fill_surface(const Frame& frame, std::span<const Run> surface, std::span<Image* const> out) const noexcept;
   void fill_row(const Frame& frame, int row, int first, int last, float disparity, float per_column,
                 std::span<Image* const> out) const noexcept;
