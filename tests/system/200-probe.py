@@ -241,7 +241,7 @@ class Why(ProgramTest):
         self.assertEqual((cell["row"], cell["column"], cell["verdict"], cell["points"]), (29, 25, "floor", 0))
         self.assertEqual((cell["x"], cell["z"], cell["bearing_deg"]), (0, 2.05, 0))  # (50 - 29.5) cells of 0.1 m
         self.assertLess(cell["occupancy"], cell["occupied_from"])
-        self.assertEqual(told["standing"], {"pixels": 0})
+        self.assertEqual(told["standing"], {"pixels": 0, "filled": 0})
         # The simulator's own camera.
         floor = told["floor"]
         self.assertAlmostEqual(floor["height_m"], 0.8, delta=0.02)
