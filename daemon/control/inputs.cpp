@@ -11,6 +11,7 @@ namespace {
 
 constexpr int64_t ahead_ns = 50'000'000;  // clocks of one machine agree; a sender may predict a little
 constexpr int64_t lasting_ns = 500'000'000;
+constexpr double farthest_place = 1e5;                       // m: the headers of grids hold floats, a centimetre there
 constexpr double farthest = 1e7, fastest = 1e3;              // m, m/s or rad/s: more is a broken sender
 constexpr double free_fall = 4.9, twice_gravity = 2 * 9.81;  // m/s^2: outside, the direction is not gravity's
 
@@ -21,7 +22,7 @@ bool number_or_none(double value, double most) { return std::isnan(value) || num
 Refusal sound(const OdometryMessage& m) {
   for (const double value : {m.x, m.y, m.yaw})
     if (!std::isfinite(value)) return Refusal::not_finite;
-  const bool place = number(m.x, farthest) && number(m.y, farthest) && number(m.yaw, farthest) && number_or_none(m.z, farthest);
+  const bool place = number(m.x, farthest_place) && number(m.y, farthest_place) && number(m.yaw, farthest) && number_or_none(m.z, farthest);
   const bool turned = number_or_none(m.roll, M_PI) && number_or_none(m.pitch, M_PI);
   const bool motion = number_or_none(m.speed, fastest) && number_or_none(m.turn_rate, fastest);
   const auto deviation = [](double value) { return std::isnan(value) || (value >= 0 && value <= farthest); };

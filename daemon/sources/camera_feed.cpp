@@ -151,6 +151,7 @@ bool CameraFeed::open() {
     note_problem(error.fault, error.what());
     return false;
   } catch (const std::exception& error) {
+    camera_->close();
     note_problem(CameraFault::failed, camera_->name() + ": " + error.what());
     return false;
   }

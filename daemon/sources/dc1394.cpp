@@ -67,6 +67,8 @@ std::vector<std::unique_ptr<Camera>> dc1394_cameras(const Config& config) {
   const camera_section& wanted = config.camera;
   const size_t needed = wanted.views == "one" ? 2 : 1;
   if (wanted.views == "beside") throw SourceError(EX_CONFIG, "[camera] views = beside is for v4l2 and aravis; dc1394 takes one and turns");
+  if (needed == 2 && wanted.pairing == "count")
+    throw SourceError(EX_CONFIG, "[camera] pairing = count: FireWire frames carry no number; needed is time");
   if (needed == 1 && !wanted.right.empty())
     throw SourceError(EX_CONFIG, "[camera] right = " + wanted.right + ", with views = turns there is one camera, left");
   std::vector<std::unique_ptr<Camera>> cameras;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 
 #include "daemon/core/clock.h"
@@ -16,7 +17,7 @@ namespace vdisp {
 namespace {
 
 constexpr uint32_t buffers = 4;
-constexpr uint64_t colour_register = 0x50c;  // Videre: bit 31 of it (facts: its driver)
+constexpr uint64_t colour_register = 0x50c;  // Videre: bit 31 of it, as in its driver
 constexpr uint64_t memory_start = 0xf0000 + 0x800, memory_quads = 1024;
 constexpr int default_width = 640, default_height = 480;
 constexpr double default_rate = 30;
@@ -163,6 +164,7 @@ void Dc1394Camera::prepare_trigger() {
 }
 
 void Dc1394Camera::trigger() noexcept {
+  const std::lock_guard lock(features_);
   if (camera_) dc1394_software_trigger_set_power(camera_, DC1394_ON);
 }
 
@@ -192,6 +194,7 @@ bool Dc1394Camera::set_feature(dc1394feature_t feature, double value, double per
 }
 
 bool Dc1394Camera::expose(double exposure_us, double gain_db) noexcept {
+  const std::lock_guard lock(features_);
   if (!camera_ || !set_feature(DC1394_FEATURE_SHUTTER, exposure_us * 1e-6, period_s_ > 0 ? period_s_ : 1 / default_rate)) return false;
   exposure_us_ = exposure_us;
   set_feature(DC1394_FEATURE_GAIN, gain_db, highest_gain_db_);
@@ -202,7 +205,7 @@ Delivery Dc1394Camera::wait(int timeout_ms, RawFrame& frame) noexcept {
   pollfd ready{dc1394_capture_get_fileno(camera_), POLLIN, 0};
   const int count = ::poll(&ready, 1, timeout_ms);
   dc1394video_frame_t* video = nullptr;
-  if (count == 0) return Delivery::nothing;
+  if (count == 0 || (count < 0 && errno == EINTR)) return Delivery::nothing;
   if (count > 0 && dc1394_capture_dequeue(camera_, DC1394_CAPTURE_POLICY_POLL, &video) == DC1394_SUCCESS) {
     if (!video) return Delivery::nothing;
     frame = {};

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "config/config.h"
@@ -60,6 +61,7 @@ class Dc1394Camera final : public Camera {
   std::string name_, problem_;
   Dc1394Bus bus_;
   dc1394camera_t* camera_ = nullptr;
+  std::mutex features_;  ///< exposure against trigger: one transaction at a time
   bool capturing_ = false;
   uint64_t count_ = 0;
   double period_s_ = 0, exposure_us_ = 0, longest_exposure_us_ = 0, highest_gain_db_ = 0;

@@ -93,8 +93,10 @@ std::optional<FramePair> FramePairs::take() noexcept {
     if (best < 0) continue;
     const FramePair pair{left, sides_[1].waiting[static_cast<size_t>(best)]};
     if (by_ == PairBy::count) {
-      // Counts that agree while times are more than two tolerances apart: one camera began to count anew.
-      const bool possible = std::llabs(pair.right.when_ns - pair.left.when_ns) <= 2 * tolerance_ns_;
+      // Equal numbers of neighbouring exposures are a whole period apart: one camera began to count anew. Less is a clock's, not a
+      // number's.
+      const int64_t period = std::min(periods_ns_[0], periods_ns_[1]), possible_ns = period > 0 ? 3 * period / 4 : 2 * tolerance_ns_;
+      const bool possible = std::llabs(pair.right.when_ns - pair.left.when_ns) <= possible_ns;
       mismatched_ = possible ? 0 : mismatched_ + 1;
       count_offset_ = static_cast<int64_t>(pair.right.count - pair.left.count);
       if (mismatched_ >= mismatched_until_anew) {
@@ -114,6 +116,8 @@ std::optional<FramePair> FramePairs::take() noexcept {
     ++tally_.pairs;
     return pair;
   }
+  // All that may wait does, and no two numbers fit: a camera counts anew.
+  if (sides_[0].size == capacity && sides_[1].size == capacity) count_offset_.reset();
   measure_apart();
   return {};
 }

@@ -5,8 +5,11 @@
 #include <linux/videodev2.h>
 #include <sysexits.h>
 
+#include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <set>
+#include <system_error>
 
 #include "daemon/sources/source.h"
 #include "daemon/sources/v4l2_camera.h"
@@ -18,6 +21,18 @@ template <size_t n>
 std::string text_of(const uint8_t (&bytes)[n]) {
   const auto* text = reinterpret_cast<const char*>(bytes);
   return {text, strnlen(text, n)};
+}
+
+/// What may not be opened; empty: nothing.
+std::string denied(V4l2System& system) {
+  for (const std::string& path : system.devices()) {
+    const int file = system.open(path.c_str());
+    if (file >= 0)
+      system.close(file);
+    else if (errno == EACCES || errno == EPERM)
+      return "no permission for " + path + "; the user of vdispd must be in the group of the device, which is video on Debian";
+  }
+  return {};
 }
 
 }  // namespace
@@ -48,9 +63,11 @@ std::vector<std::unique_ptr<Camera>> v4l2_cameras(const Config& config, V4l2Syst
   names.resize(needed);
   if (needed == 1 && !wanted.right.empty())
     throw SourceError(EX_CONFIG, "[camera] right = " + wanted.right + ", with views = beside there is one camera, left");
-  std::set<std::string> taken(names.begin(), names.end());
-  if (names.size() == 2 && !names[0].empty() && names[0] == names[1])
-    throw SourceError(EX_CONFIG, "[camera] left and right are both " + names[0] + "; needed are two, or views = beside");
+  // Links lead to devices.
+  std::set<std::string> taken;
+  for (const std::string& name : names)
+    if (std::error_code error; !name.empty() && !taken.insert(std::filesystem::weakly_canonical(name, error).string()).second)
+      throw SourceError(EX_CONFIG, "[camera] left and right are both " + name + "; needed are two, or views = beside");
   std::string seen;
   std::vector<V4l2Device> attached;
   for (const std::string& name : names)
@@ -60,6 +77,8 @@ std::vector<std::unique_ptr<Camera>> v4l2_cameras(const Config& config, V4l2Syst
   for (std::string& name : names) {
     for (const V4l2Device& device : attached)
       if (name.empty() && taken.insert(device.path).second) name = device.path;
+    if (const std::string why = name.empty() ? denied(system) : std::string(); !why.empty())
+      throw SourceError(EX_NOPERM, "[image source] source = v4l2: " + why);
     if (name.empty())
       throw SourceError(EX_UNAVAILABLE, "[image source] source = v4l2: " + std::to_string(needed) +
                                             (needed == 1 ? " camera is" : " cameras are") + " needed, there " +

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "daemon/sources/raw_pixels.h"
 #include "daemon/sources/v4l2_camera.h"
 
 namespace vdisp {
@@ -104,6 +105,8 @@ v4l2_format V4l2Camera::choose_format(FrameFormat& format) {
   format.width = static_cast<int>(pix.width / views);
   format.height = static_cast<int>(pix.height);
   format.stride = pix.bytesperline;
+  if (chosen->pixels != FramePixels::jpeg)
+    format.stride = std::max<ptrdiff_t>(format.stride, ptrdiff_t{format.width} * raw_pixel_bytes(format));
   format.bayer = chosen->bayer;
   return setting;
 }

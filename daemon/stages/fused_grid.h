@@ -45,8 +45,9 @@ class FusedGrid {
   bool is_free(int row, int column) const { return evidence_[index(row, column)] <= free; }
   void add(int row, int column, float evidence, Kind kind) noexcept {
     float& e = evidence_[index(row, column)];
+    // What is told as occupied keeps its kind: one weak or false vote makes no obstacle of a hole, nor a hole of an obstacle.
+    if (kind != Kind::none && e < occupied) kind_[index(row, column)] = kind;
     e = std::clamp(e + evidence, least, most);
-    if (kind != Kind::none) kind_[index(row, column)] = kind;
   }
   /// 0 to 30 free, 70 to 100 obstacle, in tens, so that a planner is not told of each frame's percent; -1 unknown.
   static int8_t percent(float evidence) noexcept;

@@ -164,7 +164,9 @@ void FusedMap::add_obstacle(int row, int column, int8_t seen, CellReason why, st
   grid_.add(row, column, for_obstacle * static_cast<float>(seen - even) / even, kind);
   const int8_t percent = grid_.percent(row, column);
   out[0]->row<int8_t>(row)[column] = percent;
-  if (percent >= occupied_from) out[1]->row<uint8_t>(row)[column] = static_cast<uint8_t>(why);
+  const bool drop_off = grid_.kind(row, column) == FusedGrid::Kind::drop_off;
+  if (percent >= occupied_from)
+    out[1]->row<uint8_t>(row)[column] = static_cast<uint8_t>(drop_off ? CellReason::drop_off : CellReason::obstacle);
 }
 
 /// Where the grids are turned against each other by 45 degrees a cell may lie between all middles.

@@ -92,6 +92,8 @@ void ObstacleTracks::begin(const Blob& blob, int64_t now_ns) noexcept {
 }
 
 void ObstacleTracks::associate(std::span<const Blob> blobs, int64_t now_ns) noexcept {
+  // Before anything is taken for one of them: steps without a frame are not followed.
+  std::erase_if(followed_, [&](const Followed& f) { return seconds(now_ns - f.seen_ns) > unseen_s; });
   std::bitset<Blobs::most> taken;
   for (Followed& f : followed_) {
     const double room = std::clamp(nearest + deviations * std::sqrt(f.place_variance), nearest, farthest);
@@ -107,7 +109,6 @@ void ObstacleTracks::associate(std::span<const Blob> blobs, int64_t now_ns) noex
     taken[best] = true;
     update(f, blobs[best], now_ns);
   }
-  std::erase_if(followed_, [&](const Followed& f) { return seconds(now_ns - f.seen_ns) > unseen_s; });
   for (size_t i = 0; i < blobs.size(); ++i)
     if (!taken[i]) begin(blobs[i], now_ns);
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/contests.h"
 
+#include <algorithm>
+
 #include "config/parameters.h"
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/floor.h"
@@ -127,10 +129,12 @@ Contest census(const Frames& frames, const OurSide& side) {
   return contest;
 }
 
-/// Two raw images to the map. The peer is followed by our back end.
+/// Two raw images to the map. The peer is followed by our back end, the paper's: so is ours, unless `more` tells another floor.
 Contest tree(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, const Sets& more, Asked asked) {
   Sets own = as_peer(ndisp);
   own.insert(own.end(), more.begin(), more.end());
+  if (std::none_of(own.begin(), own.end(), [](const std::string& set) { return set.starts_with("Floor.model="); }))
+    own.push_back("Floor.model=line");
   Contest contest{name, asked, asked, {}, {}};
   contest.ours = [&frames, side, own](int threads) {
     return work_of(std::make_shared<PreparedTree>(ours(threads, side, own), frames.raw, raw_names, frames.calibration,
@@ -197,6 +201,7 @@ std::vector<Contest> contests(const Images& images, const OurSide& side) {
       census(images.quarter, side),
       semi_global("sgm64", images.vga, 64, side, {4, 6}),
       tree("tree48_aligned", images.vga, 48, side, aligned, {}),
+      tree("tree48_profile", images.vga, 48, side, {"image source.align=floor", "Floor.model=profile"}, {}),
       matcher("matcher128_1280x960", images.large, 128, side, upright, {}),
   };
   for (const auto& [name, frames] : images.recorded) {

@@ -102,6 +102,30 @@ TEST(FramePairs, by_count_hold_over_lost_frames_and_late_clocks) {
   EXPECT_GE(found, 49);
 }
 
+TEST(FramePairs, by_count_hold_while_a_clock_is_off_by_half_a_period) {
+  FramePairs pairs(5 * ms, PairBy::count);
+  int found = 0;
+  for (uint64_t i = 0; i < 50; ++i) {
+    const auto when = static_cast<int64_t>(i) * frame;
+    pairs.add(0, {when, i, 0});
+    pairs.add(1, {when + (i > 9 && i < 40 ? 17 : 1) * ms, i, 1});
+    if (const auto pair = pairs.take()) found += pair->right.count == pair->left.count;
+  }
+  EXPECT_EQ(found, 50);
+}
+
+TEST(FramePairs, by_count_find_together_again_when_a_camera_counts_anew_unnoticed) {
+  FramePairs pairs(5 * ms, PairBy::count);
+  int late = 0;
+  for (uint64_t i = 0; i < 60; ++i) {
+    const auto when = static_cast<int64_t>(i) * frame;
+    pairs.add(0, {when, i, 0});
+    pairs.add(1, {when, i < 20 ? i : i - 20, 1});
+    if (const auto pair = pairs.take()) late += i >= 40 && pair->left.when_ns == pair->right.when_ns;
+  }
+  EXPECT_EQ(late, 20);
+}
+
 TEST(FramePairs, by_count_begin_anew_when_a_camera_counts_from_zero) {
   FramePairs pairs(5 * ms, PairBy::count);
   int late = 0;

@@ -8,7 +8,7 @@ namespace vdisp {
 namespace {
 
 constexpr double degree = M_PI / 180;
-const StereoView paper{576, 320, 240, 0.09, 0};  // 6 mm lens at 640 px (facts.md section 5)
+const StereoView paper{576, 320, 240, 0.09, 0};  // 6 mm lens at 640 px (paper, section 2.2)
 
 TEST(Frames, horizontal_is_equation_3_of_the_paper) {
   const double t = 0.26;

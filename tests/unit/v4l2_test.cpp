@@ -350,6 +350,8 @@ TEST_F(V4l2, no_permission_names_the_group) {
   config_.camera.right = "/dev/video2";
   kernel_.devices_["/dev/video0"].open_error = EACCES;
   EXPECT_NE(refusal(77).find("group of the device, which is video"), std::string::npos);
+  config_.camera.left = config_.camera.right = "";
+  EXPECT_NE(refusal(77).find("no permission for /dev/video0; the user"), std::string::npos);
 }
 
 TEST_F(V4l2, too_few_cameras_are_listed) {
