@@ -94,6 +94,27 @@ std::string_view describe(MemoryCause cause) {
   return "unknown";
 }
 
+std::string_view name(Steering steering) {
+  switch (steering) {
+    case Steering::forward: return "forward";
+    case Steering::turn_left: return "turn_left";
+    case Steering::turn_right: return "turn_right";
+    case Steering::count: break;
+  }
+  return "unknown";
+}
+
+std::string_view name(Decider decider) {
+  switch (decider) {
+    case Decider::none: return "none";
+    case Decider::vdisparity: return "vdisparity";
+    case Decider::snow: return "snow";
+    case Decider::operator_order: return "operator";
+    case Decider::count: break;
+  }
+  return "unknown";
+}
+
 std::string_view name(Refusal refusal) {
   switch (refusal) {
     case Refusal::none: return "none";

@@ -4,6 +4,7 @@
 
 #include "records/cameras.h"  // beside this file in the tree and where it is installed
 #include "records/catalogue.h"
+#include "records/drive.h"
 #include "records/floor.h"
 #include "records/inputs.h"
 #include "records/map_changes.h"

@@ -20,6 +20,10 @@ enum class RecordType : uint16_t {
   memory = 10,
   tracks = 11,
   camera_status = 12,
+  snow_scores = 13,
+  decision = 14,
+  drive_command = 15,
+  cross_check = 16,
 };
 
 /// First member of each record: what it is, so that a reader can refuse what it does not know.
