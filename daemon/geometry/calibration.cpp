@@ -209,4 +209,8 @@ Calibration read_calibration(const std::filesystem::path& path, const ReadingOpt
   return calibration::assemble_from(path.string(), [&] { return calibration::read_parts(path, options); });
 }
 
+Calibration parse_calibration(const std::string& name, const std::string& text) {
+  return calibration::assemble_from(name, [&] { return calibration::parse_single(name, text, {}); });
+}
+
 }  // namespace vdisp

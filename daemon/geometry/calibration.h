@@ -46,5 +46,7 @@ struct ReadingOptions {
 /// camera_info left.yaml and right.yaml, or one of such a pair. Throws CalibrationError for a file that is missing, unreadable, of no known
 /// format, incomplete or contradictory (f <= 0, no baseline, right camera left of the left one).
 Calibration read_calibration(const std::filesystem::path& path, const ReadingOptions& options = {});
+/// The same of a text that is a whole calibration by itself: all formats but EuRoC and ROS. `name` is for messages.
+Calibration parse_calibration(const std::string& name, const std::string& text);
 
 }  // namespace vdisp

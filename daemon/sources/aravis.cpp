@@ -66,6 +66,8 @@ class AravisCamera final : public Camera {
   Owned<ArvBuffer> buffer_;
   FrameCount count_;
   std::atomic<bool> control_lost_{false};
+  double shorter_us_ = 0;  // before it grew, for frames that were on their way
+  int settling_ = 0;       // so many
   double exposure_us_ = 0, longest_us_ = 0, highest_gain_ = 0;
   int64_t exposure_read_ns_ = 0;
   int tries_ = 1;
@@ -113,6 +115,7 @@ void AravisCamera::begin_stream() {
     arv_camera_get_exposure_time_bounds(camera_.get(), &least, &longest_us_, nullptr);
   if (arv_camera_is_gain_available(camera_.get(), nullptr)) arv_camera_get_gain_bounds(camera_.get(), &least, &highest_gain_, nullptr);
   exposure_us_ = 0;
+  settling_ = 0;
   read_exposure();
   stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, error));
   error.check(name_, "asked for a stream");
@@ -128,7 +131,12 @@ void AravisCamera::begin_stream() {
 void AravisCamera::read_exposure() noexcept {
   exposure_read_ns_ = monotonic_ns();
   const double now = arv_camera_get_exposure_time(camera_.get(), nullptr);
-  if (now > 0) exposure_us_ = now;
+  if (now <= 0) return;
+  if (exposure_us_ > 0 && now > exposure_us_) {
+    shorter_us_ = settling_ > 0 ? std::min(shorter_us_, exposure_us_) : exposure_us_;
+    settling_ = buffers;
+  }
+  exposure_us_ = now;
 }
 
 void AravisCamera::close() noexcept {
@@ -174,9 +182,13 @@ bool AravisCamera::understand(RawFrame& frame) noexcept {
   frame.size = size;
   frame.arrival_ns = monotonic_ns();
   // GenICam SFNC, Timestamp: when the exposure began (FrameStart). Exposure ends before the frame can arrive.
-  frame.delay_ns = static_cast<int64_t>(exposure_us_ * 500);
+  // Frames on their way when it grew were exposed as before: taken for longer ones they would set the clock back for seconds.
+  const double sure = settling_ > 0 ? std::min(shorter_us_, exposure_us_) : exposure_us_;
+  if (settling_ > 0) --settling_;
+  const auto half = static_cast<int64_t>(exposure_us_ * 500);
   const auto began = static_cast<int64_t>(arv_buffer_get_timestamp(buffer));
-  frame.camera_ns = began > 0 ? began + frame.delay_ns : -1;
+  frame.camera_ns = began > 0 ? began + half : -1;
+  frame.delay_ns = began > 0 ? static_cast<int64_t>(sure * 1000) - half : half;
   frame.count = count_.of(arv_buffer_get_frame_id(buffer));
   return true;
 }

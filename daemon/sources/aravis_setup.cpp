@@ -47,7 +47,7 @@ double set_pace(ArvCamera* camera, const Config& config, const std::string& name
   if (config.camera.trigger == "line") {
     arv_camera_set_trigger(camera, line_of(camera, name).c_str(), error);
     error.check(name, "set to a line trigger");
-    return 0;
+    return rate > 0 ? 1 / rate : 0;  // the signal's, where it is told
   }
   arv_camera_clear_triggers(camera, nullptr);  // fails where there are none
   if (!arv_camera_is_frame_rate_available(camera, nullptr)) {

@@ -3,13 +3,10 @@
 #include "daemon/sources/live.h"
 
 #include <sysexits.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "daemon/core/clock.h"
 #include "daemon/sources/live_source.h"
@@ -22,23 +19,6 @@ constexpr size_t longest_fault = 1000;
 constexpr int default_width = 640, default_height = 480;  // the paper's
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
-
-/// The formats are read from files alone.
-Calibration parse_stored(const std::string& text, const std::string& camera) {
-  std::string path = (std::filesystem::temp_directory_path() / "vdisp-stored-XXXXXX").string();
-  const int file = mkstemp(path.data());
-  if (file < 0) throw CalibrationError(camera + ": its stored calibration cannot be written to " + path + " to be read");
-  ::close(file);
-  std::ofstream(path) << text;
-  try {
-    Calibration found = read_calibration(path);
-    std::filesystem::remove(path);
-    return found;
-  } catch (const CalibrationError& error) {
-    std::filesystem::remove(path);
-    throw CalibrationError("the calibration in the memory of " + camera + ": " + error.what());
-  }
-}
 
 }  // namespace
 
@@ -138,7 +118,7 @@ void LiveSource::choose_calibration() {
   if (calibration_) return;
   const CameraFeed::State state = feeds_[0]->state();
   if (state.stored_calibration.empty()) return;
-  calibration_ = parse_stored(state.stored_calibration, feeds_[0]->name());
+  calibration_ = parse_calibration("the memory of " + feeds_[0]->name(), state.stored_calibration);
   news_.push_back("calibration (" + calibration_->format + ") from the memory of " + feeds_[0]->name());
 }
 
@@ -179,6 +159,8 @@ void LiveSource::tell(CameraFeed& feed) {
     case CameraFeed::News::nothing: break;
     case CameraFeed::News::opened:
       news_.push_back(describe_opened(feed));
+      if (!calibration_ && !feed.state().stored_calibration.empty())
+        news_.push_back(feed.name() + " came after the start: the calibration in its memory is used when vdispd is started again");
       period_ns_ = std::max(period_ns_, static_cast<int64_t>(feed.state().format.period_s * 1e9));
       break;
     case CameraFeed::News::back: news_.push_back(feed.name() + " is back"); break;

@@ -101,7 +101,7 @@ Outcome LiveSource::grab(std::span<Image* const> out) noexcept {
     free_slot(pair->right.slot);
   }
   steer_exposure(out);
-  if (know_order(out)) return Outcome::valid;
+  if (know_order(*pair, out)) return Outcome::valid;
   out[0]->set_blind(Reason::bad_pair);
   return Outcome::invalid;
 }
@@ -122,17 +122,17 @@ void LiveSource::write(const FramePair& pair, std::span<Image* const> out) noexc
 }
 
 /// False: which view is the left one is still being found out.
-bool LiveSource::know_order(std::span<Image* const> out) noexcept {
-  if (order_known_) return true;
+bool LiveSource::know_order(const FramePair& pair, std::span<Image* const> out) noexcept {
+  // Frames with both views that were there before it was known are still the wrong way round.
+  if (order_known_) return !both_views() || pair.left.when_ns > turned_ns_;
   const std::optional<bool> right_way = order_.see(*out[0], *out[1]);
   if (!right_way) {
     fault_ = "which view is the left one is not known yet: [camera] swap = auto needs texture that is near";
     return false;
   }
   order_known_ = true;
-  if (!*right_way) exchanged_ = true;
+  if (!*right_way) exchanged_ = true, turned_ns_ = monotonic_ns();
   news_.push_back(*right_way ? "left and right are the right way round" : "left and right are exchanged, and put right");
-  // The frames that wait are still the old way round.
   return *right_way;
 }
 

@@ -60,7 +60,7 @@ class LiveSource final : public StereoSource, public FrameTaker {
   std::string describe_opened(const CameraFeed& feed) const;
   void free_slot(int slot) noexcept;
   void write(const FramePair& pair, std::span<Image* const> out) noexcept;
-  bool know_order(std::span<Image* const> out) noexcept;
+  bool know_order(const FramePair& pair, std::span<Image* const> out) noexcept;
   void steer_exposure(std::span<Image* const> out) noexcept;
   void fill_status(const FramePair* pair) noexcept;
   Reason why_none() noexcept;
@@ -82,7 +82,8 @@ class LiveSource final : public StereoSource, public FrameTaker {
 
   std::atomic<bool> exchanged_{false};
   bool order_known_ = true;
-  int64_t period_ns_ = 0;  // of the slower camera
+  int64_t turned_ns_ = INT64_MIN;  // when the views of later frames were exchanged
+  int64_t period_ns_ = 0;          // of the slower camera
   ViewOrder order_;
   std::optional<FloorExposure> exposure_;
   CameraStatus status_{};
