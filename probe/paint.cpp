@@ -179,6 +179,8 @@ Painted greys(std::string_view topic, const Image& image, const PaintStyle& styl
     return {pixelwise<uint8_t>(image, [](uint8_t n) {
       return n == 255 ? Colour{14, 15, 18} : n ? labels[n % labels.size()] : colours::panel;
     })};
+  if (topic.ends_with("segments"))  // numbers likewise, 0 none
+    return {pixelwise<uint8_t>(image, [](uint8_t n) { return n ? labels[n % labels.size()] : colours::panel; })};
   return {pixelwise<uint8_t>(image, [](uint8_t v) { return Colour{v, v, v}; })};
 }
 

@@ -14,6 +14,7 @@ namespace vdisp {
 namespace {
 
 constexpr int64_t longest_gap_ns = 1'000'000'000;
+constexpr double farthest = 1e5;  // m: the headers of grids hold floats, a centimetre there
 
 [[noreturn]] void refuse(const std::string& file, size_t line, const std::string& what) {
   throw SourceError(78, "[image source] odometry = " + file + ", line " + std::to_string(line) + ": " + what);
@@ -123,6 +124,8 @@ void RecordedOdometry::read_csv(const std::string& file, const std::vector<std::
       if (!good) refuse(file, i + 1, names[f] + " = '" + fields[f] + "', must be a " + (stamp ? "whole number" : "number"));
     }
     if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.yaw)) refuse(file, i + 1, "x, y and yaw must be finite");
+    if (std::abs(pose.x) > farthest || std::abs(pose.y) > farthest)
+      refuse(file, i + 1, "x and y must be within 100 km: take them from the start of the drive");
     if (!poses_.empty() && pose.timestamp_ns <= poses_.back().timestamp_ns)
       refuse(file, i + 1, (by_number_ ? "frame " : "time ") + std::to_string(pose.timestamp_ns) + " is not after the line before");
     poses_.push_back(pose);

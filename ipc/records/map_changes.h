@@ -6,7 +6,7 @@
 
 namespace vdisp {
 
-/// One cell of `occupancy` that is other than it was.
+/// One cell of `occupancy`, or of `fused`, that is other than it was.
 struct ChangedCell {
   uint16_t row, column;  ///< as in the image: row 0 is farthest
   int8_t value;          ///< the new one: -1 unknown, 0..100
@@ -22,8 +22,8 @@ enum class WholeGrid : uint32_t {
   overflow = 4,     ///< more cells changed than the list holds
 };
 
-/// What changed in the `occupancy` of the same frame (same sequence) since the last one, topic `map_changes`. For planners that plan
-/// again only where something changed. `generation` is one more with each frame in which anything changed, and starts at 1 with each epoch
+/// What changed in the `occupancy` of the same frame (same sequence) since the last one, topic `map_changes`; `fused_changes` tells the
+/// same of `fused`. For planners that plan again only where something changed. `generation` is one more with each frame in which anything changed, and starts at 1 with each epoch
 /// (Image::epoch, in the header of the image that carries the record). Who has a copy of the grid at generation G of the same epoch:
 ///   generation == G                      has all of it, nothing changed;
 ///   previous == G and whole == no        writes the `count` cells of the list into the copy;

@@ -68,8 +68,8 @@ class Daemon:
         print(f"evaluate: {text}, {time.monotonic() - self.start:.0f} s", file=sys.stderr, flush=True)
 
     def identity(self):
-        """Says which daemon it is, so that results of another one are not taken for its own."""
-        parts = [self.binary] + sorted(self.binary.parent.glob("vdisp_sim.so"))
+        """Says which daemon and which scripts these are, so that results of others are not taken for their own."""
+        parts = [self.binary] + sorted(self.binary.parent.glob("vdisp_sim.so")) + sorted(pathlib.Path(__file__).parent.glob("*.py"))
         return hashlib.sha256(b"".join(part.read_bytes() for part in parts)).hexdigest()
 
     def remembered(self, name, settings, work):

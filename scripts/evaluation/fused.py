@@ -76,6 +76,9 @@ def street(daemon, section):
     section.command(daemon.command_line(sets))
     frames = [f for f in daemon.measure("fused/street", sets, None, look) if "fused" in f]
     cell = STREET["Map.cell"]
+    if not frames:
+        section.gate("static obstacles stay put within one cell", False, "no frame with a fused map", "at most 1")
+        return
     world = World(frames, cell)
     rows = []
     for k in range(0, len(frames) - LATER):
@@ -100,13 +103,14 @@ def street(daemon, section):
     beside = (last & ~wider(union)).sum() / max(last.sum(), 1)
     section.table([("frames", "d"), ("compared", "d"), ("greatest shift [cells]", "d"), ("shifted by more than 0", ".3f"), ("kept, median", ".3f"), ("kept, 10th percentile", ".3f"),
                    ("cells of one frame or more", "d"), ("fused cells", "d"), ("fused, farther than a cell from any of them", ".4f")],
-                  [{"frames": len(frames), "compared": len(rows), "greatest shift [cells]": max(r["shift"] for r in rows),
-                    "shifted by more than 0": float(np.mean([r["shift"] > 0 for r in rows])),
+                  [{"frames": len(frames), "compared": len(rows), "greatest shift [cells]": max((r["shift"] for r in rows), default=0),
+                    "shifted by more than 0": float(np.mean([r["shift"] > 0 for r in rows] or [0])),
                     "kept, median": percentile([r["kept"] for r in rows], 50), "kept, 10th percentile": percentile([r["kept"] for r in rows], 10),
                     "cells of one frame or more": int(union.sum()), "fused cells": int(last.sum()), "fused, farther than a cell from any of them": float(beside)}],
                   f"kitti_street, poses.txt as odometry, cells of {cell} m: obstacle cells of one frame (within 12 m, placed by the script) against "
                   f"the fused map {LATER} frames later. Shift: with which the two agree best. Kept: has a fused obstacle within one cell.")
-    section.gate("static obstacles stay put within one cell", max(r["shift"] for r in rows) <= 1, f"{max(r['shift'] for r in rows)} cells", "at most 1")
+    greatest = max((r["shift"] for r in rows), default=None)
+    section.gate("static obstacles stay put within one cell", greatest is not None and greatest <= 1, f"{greatest} cells", "at most 1")
     section.gate("no smear: fused cells lie within a cell of what frames saw", beside < 0.01, f"{100 * beside:.2f} %", "less than 1 %")
     picture = np.full((*world.shape, 3), 28, np.uint8)
     picture[free], picture[last] = (70, 110, 60), (60, 70, 235)
@@ -175,6 +179,7 @@ def drive(daemon, section):
                     "speed told, median [m/s]": percentile(speeds, 50), "90th percentile": percentile(speeds, 90)}],
                   "Simulator, scene drive with its odometry: obstacles seen in five frames or more, then nearer than 0.8 m ahead, beside or behind the rover within 5 m. All stand.")
     section.gate("obstacles out of view are kept", kept >= 0.98 * seen > 0, f"{kept} of {seen}", "98 %")
+    section.gate("no obstacle is remembered where none ever was", fused > 0 and wrong < 0.001 * fused, f"{wrong} of {fused} cells", "less than 0.1 %")
 
 
 def fused_section(daemon, section):

@@ -12,7 +12,8 @@ from evaluation.recorded import COUNTS, compare_cells, shares
 from evaluation.simulated import percentile
 from evaluation.truth import SceneTruth
 
-# What runs from two rectified views to the map when nobody watches; stages that share a process() have one time.
+# What runs from two rectified views to the map of one frame when nobody watches; stages that share a process() have one time. Memory (memory,
+# tracks, fused) has no peer: it is not counted.
 OUR_STAGES = ("disparity", "floor_model", "height", "occupancy", "map_changes", "map")
 PAPER_STAGES = ("disparity", "vdisparity", "floor_model", "limit", "map")
 GROUNDS = {"plane": "plane and normals", "morphological": "morphological filter"}

@@ -213,6 +213,18 @@ TEST(Paint, a_line_below_the_picture_is_drawn_there) {
   EXPECT_NE(painted.picture.row(110)[70], colours::warning);
 }
 
+TEST(Paint, neighbouring_segments_are_told_apart_and_none_is_as_dark_as_nothing) {
+  BufferOutlet outlet = blank(Pixel::gray8, 4, 1);
+  for (int x = 0; x < 4; ++x) set<uint8_t>(outlet.loan(), x, 0, static_cast<uint8_t>(x));
+  const Painted painted = paint("segments", outlet.loan(), {});
+  const Colour* row = painted.picture.row(0);
+  for (int x = 1; x < 4; ++x) {
+    EXPECT_NE(row[x], row[0]);
+    EXPECT_NE(row[x], row[x - 1]);
+    EXPECT_GT(row[x].r + row[x].g + row[x].b, row[0].r + row[0].g + row[0].b + 100);
+  }
+}
+
 TEST(Paint, every_kind_of_picture_can_be_painted_at_one_pixel) {
   for (Pixel pixel :
        {Pixel::gray8, Pixel::mask8, Pixel::rgb8, Pixel::disparity16, Pixel::count16, Pixel::height16, Pixel::int8, Pixel::line16}) {

@@ -97,6 +97,7 @@ TEST_F(RecordedOdometryTest, what_is_neither_kind_is_refused_with_its_line) {
   refused("frame,x,y,yaw\n0,1,2\n", "line 2: 3 fields");
   refused("frame,x,y,yaw\n0,1,b,0\n", "y = 'b'");
   refused("frame,x,y,yaw\n0,1,nan,0\n", "finite");
+  refused("frame,x,y,yaw\n0,1e5,0,0\n1,0,-100001,0\n", "line 3: x and y must be within 100 km");
   refused("frame,x,y,yaw\n1,0,0,0\n1,0,0,0\n", "line 3: frame 1 is not after");
   EXPECT_THROW(RecordedOdometry("/nonexistent/poses"), SourceError);
 }
