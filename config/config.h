@@ -53,6 +53,7 @@ struct Config {
   ipc_section ipc;
   memory_section memory;
   control_section control;
+  drive_section drive;
   sim_section sim;
 
   bool automatic_pitch() const { return std::isnan(limit.angRot); }
