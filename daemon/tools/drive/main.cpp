@@ -1,5 +1,6 @@
 // main.cpp: vdisp-drive: options, signals, and the loop that keeps the motors told.
 // SPDX-License-Identifier: Apache-2.0
+#include <sched.h>
 #include <sys/resource.h>
 #include <sysexits.h>
 
@@ -23,6 +24,7 @@ namespace {
 
 constexpr const char* installed_config = "/etc/vdisp/vdisp.cfg";
 constexpr int64_t longest_nap_ns = 10'000'000;        // an order that turns blind is seen so late at most
+constexpr int64_t shortest_nap_ns = 1'000'000;         // while a command waits for the port
 constexpr int64_t longest_ending_ns = 2'000'000'000;  // with stopDeceleration
 
 volatile std::sig_atomic_t stops_asked = 0;
@@ -94,6 +96,13 @@ void nap(int64_t until_ns) {
   pselect(0, nullptr, nullptr, nullptr, &time, &none);
 }
 
+/// A late command is worse than a late frame, and there is little to do for one. Where it is not permitted there is no harm: the
+/// controller's watchdog bears two missing ones.
+void go_first() {
+  const sched_param least{sched_get_priority_min(SCHED_RR)};
+  if (sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &least) != 0) (void)setpriority(PRIO_PROCESS, 0, -10);
+}
+
 void catch_signals() {
   sigset_t caught;
   sigemptyset(&caught);
@@ -143,7 +152,8 @@ int drive(const Config& config, const Settings& settings, const Options& options
     report.see(motors, order, orders, now);
     if (!motors.port().is_open() && motors.port().exit_code() == EX_IOERR) return complain(EX_IOERR, motors.port().fault());
     if (ending && (motors.standing() || !motors.port().is_open() || stops_asked > 1 || now - ending_ns > longest_ending_ns)) break;
-    nap(std::min(motors.next_ns(), monotonic_ns() + longest_nap_ns));
+    const int64_t begin = monotonic_ns();
+    nap(std::clamp(motors.next_ns(), begin + shortest_nap_ns, begin + longest_nap_ns));
   }
   motors.finish();
   report.finish(motors, monotonic_ns());
@@ -160,9 +170,8 @@ int run(int argc, char** argv) {
   if (code == EX_OK && options.check_only) std::cout << "nothing wrong\n" << std::flush;
   if (code != EX_OK || options.check_only) return code;
   catch_signals();
-  // A late command is worse than a late frame. Where it is not permitted, the service's own priority has to do.
-  (void)setpriority(PRIO_PROCESS, 0, -10);
   log::start(config.main.debug, "vdisp-drive");
+  go_first();
   try {
     code = drive(config, settings, options);  // whatever is thrown, the motors have been stopped by then
   } catch (const std::exception& error) {
