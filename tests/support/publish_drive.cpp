@@ -1,5 +1,5 @@
-// publish_drive.cpp: a daemon for the tests of vdisp-drive: orders on topic `drive`, as its standard input says; over the real driver and
-// shared memory. SPDX-License-Identifier: Apache-2.0
+// publish_drive.cpp: a daemon for the tests of vdisp-drive: real driver, real shared memory, orders as its standard input says.
+// SPDX-License-Identifier: Apache-2.0
 //   publish_drive [--rate HZ]; lines in: go SPEED TURN | blind | silent (lives, and gives no orders) | synthetic | real | rate HZ | end
 //   A line out for each that took effect: its CLOCK_MONOTONIC in ns and the line. `silent` is told the moment of the last order.
 #include <fcntl.h>

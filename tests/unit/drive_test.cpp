@@ -1,5 +1,5 @@
-// drive_test.cpp: the parts of vdisp-drive: what is said to the controller, the arithmetic of wheels, limits, replies, and which orders
-// count. SPDX-License-Identifier: Apache-2.0
+// drive_test.cpp: the parts of vdisp-drive: phrases, the arithmetic of wheels, limits, replies, and which orders count.
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>

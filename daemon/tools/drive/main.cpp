@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* installed_config = "/etc/vdisp/vdisp.cfg";
 constexpr int64_t longest_nap_ns = 10'000'000;        // an order that turns blind is seen so late at most
-constexpr int64_t shortest_nap_ns = 1'000'000;         // while a command waits for the port
+constexpr int64_t shortest_nap_ns = 1'000'000;        // while a command waits for the port
 constexpr int64_t longest_ending_ns = 2'000'000'000;  // with stopDeceleration
 
 volatile std::sig_atomic_t stops_asked = 0;

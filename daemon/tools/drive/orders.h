@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "vdisp/client.h"
+#include "ipc/include/vdisp/client.h"
 
 namespace vdisp::drive {
 

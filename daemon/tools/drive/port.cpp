@@ -71,7 +71,7 @@ bool Port::open_at(const std::string& path) {
   const bool found = sp_get_port_by_name(path.c_str(), &port_) == SP_OK;
   errno = 0;
   if (found && sp_open(port_, SP_MODE_READ_WRITE) == SP_OK) {
-    sp_get_port_handle(port_, &fd_);
+    if (sp_get_port_handle(port_, &fd_) != SP_OK) return fail(EX_UNAVAILABLE, "has no handle; tried again");
     return true;
   }
   int error = errno;
