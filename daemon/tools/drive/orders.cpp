@@ -63,6 +63,12 @@ Order Orders::look() { return judge(client_.latest(topic_), timeout_s_, allow_sy
 
 Connection Orders::connection() { return client_.connection(Client::Time(0)); }
 
+bool Orders::not_published() {
+  const auto topics = client_.topics(Client::Time(0));
+  return !topics.empty() &&
+         std::none_of(topics.begin(), topics.end(), [](const CatalogueEntry& entry) { return std::string_view(entry.name) == "drive"; });
+}
+
 std::string Orders::detail(const Order& order) {
   switch (order.halt) {
     case Halt::dead:
@@ -74,10 +80,7 @@ std::string Orders::detail(const Order& order) {
         std::snprintf(text, sizeof text, "none for %.2f s", order.age_s);
         return text;
       }
-      const auto topics = client_.topics(Client::Time(0));
-      const bool known =
-          std::any_of(topics.begin(), topics.end(), [](const CatalogueEntry& entry) { return std::string_view(entry.name) == "drive"; });
-      return topics.empty() || known ? "none has come yet" : "vdispd publishes no drive: is [main] detectors = none?";
+      return not_published() ? "vdispd publishes no drive: is [main] detectors = none?" : "none has come yet";
     }
     default: return {};
   }

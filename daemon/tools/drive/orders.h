@@ -47,6 +47,8 @@ class Orders {
   /// What more there is to say of an order that halts, for people. May ask the daemon; never waits.
   std::string detail(const Order& order);
   Connection connection();
+  /// The daemon has told what it publishes, and `drive` is not among it. Never waits.
+  bool not_published();
   uint64_t reconnections() const { return client_.reconnections(); }
 
  private:

@@ -22,10 +22,13 @@ Report::State Report::state(const Motors& motors, const Order& order, Orders& or
   state.halt = motors.halt();
   if (state.halt == Halt::no_port) state.fault = motors.port().fault();
   if (state.halt == Halt::blind) state.reason = order.reason;
-  if (state.halt == Halt::dead) {
-    if (now_.halt == Halt::dead && now_ns - asked_ns_ < second) return now_;
+  if (state.halt == Halt::dead || (state.halt == Halt::stale && order.age_s == 0)) {
+    if (now_.halt == state.halt && now_ns - asked_ns_ < second) return now_;
     asked_ns_ = now_ns;
-    state.connection = orders.connection();
+    if (state.halt == Halt::dead)
+      state.connection = orders.connection();
+    else
+      state.not_published = orders.not_published();
   }
   return state;
 }

@@ -25,6 +25,7 @@ class Report {
     Halt halt = Halt::count;  // nothing told yet
     Connection connection = Connection::connected;
     Reason reason = Reason::none;
+    bool not_published = false;
     std::string fault;
     bool operator==(const State&) const = default;
   };
