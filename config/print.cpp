@@ -39,7 +39,8 @@ void print(std::ostream& out, const Parameter& row, const Config& config) {
 
 void print_config(std::ostream& out, const Config& config) {
   comment(out,
-          "vdisp.cfg: the parameters of vdispd. Quotes around a value may be left out; what follows a blank and # or ; is a comment. "
+          "vdisp.cfg: the parameters of vdispd, and of vdisp-drive ([drive]). Quotes around a value may be left out; what follows a blank "
+          "and # or ; is a comment. "
           "Relative paths begin at the folder of this file; in paths $NAME and ${NAME} are taken from the environment. "
           "live: a change takes effect in a running daemon; restart: at its next start.");
   for (const Section& section : sections()) {

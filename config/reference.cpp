@@ -89,7 +89,8 @@ and whether a change takes effect in a running daemon (live) or at its next star
 )";
   write_man_section(out);
   out << R"(.SH SEE ALSO
-.BR vdispd (1)
+.BR vdispd (1),
+.BR vdisp\-drive (1)
 )";
 }
 

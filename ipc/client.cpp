@@ -43,11 +43,11 @@ Client::~Client() {
   in_use = false;
 }
 
-Connection Client::connection() {
+Connection Client::connection(Time limit) {
   Implementation& self = *implementation_;
   const int64_t now = now_ns();
   if (!self.only) return possible_name(self.instance) ? Connection::no_memory : Connection::wrong_name;
-  self.service_until(now + connect_budget_ns);
+  self.service_until(now + std::min(connect_budget_ns, limit.count() * 1'000'000));
   if (self.link.up() && !self.connected()) {
     const bool starting = now - self.connected_ns < 2'000'000'000;
     self.message = starting ? "vdispd is starting: no heartbeat of '" + self.instance + "' yet"

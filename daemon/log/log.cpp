@@ -30,12 +30,12 @@ constexpr spdlog::level::level_enum levels[] = {spdlog::level::err, spdlog::leve
 
 }  // namespace
 
-void start(int level) {
+void start(int level, const std::string& program) {
   spdlog::init_thread_pool(ring_lines, 1);
-  auto logger = std::make_shared<spdlog::async_logger>("vdispd", std::make_shared<spdlog::sinks::stderr_sink_mt>(), spdlog::thread_pool(),
+  auto logger = std::make_shared<spdlog::async_logger>(program, std::make_shared<spdlog::sinks::stderr_sink_mt>(), spdlog::thread_pool(),
                                                        spdlog::async_overflow_policy::overrun_oldest);
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
-  formatter->add_flag<Priority>('*').set_pattern(std::getenv("JOURNAL_STREAM") ? "%*%v" : "vdispd: %v");
+  formatter->add_flag<Priority>('*').set_pattern(std::getenv("JOURNAL_STREAM") ? "%*%v" : "%n: %v");
   logger->set_formatter(std::move(formatter));
   logger->set_level(levels[level]);
   spdlog::set_default_logger(std::move(logger));

@@ -4,11 +4,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include <string>
+
 namespace vdisp::log {
 
-/// Starts the thread. `level`: [main] debug, 0 errors to 3 everything. Under systemd lines carry journald's priorities.
-/// While the ring is full the oldest lines are given up.
-void start(int level);
+/// Starts the thread. `level`: [main] debug, 0 errors to 3 everything. Under systemd lines carry journald's priorities, else the name of
+/// the program. While the ring is full the oldest lines are given up.
+void start(int level, const std::string& program = "vdispd");
 /// From here on; any thread, no wait.
 void set_level(int level);
 /// Writes what is waiting and ends the thread. Before start() and after this nothing is logged.

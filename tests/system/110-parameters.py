@@ -13,6 +13,7 @@ import cv2
 import numpy
 
 import gige
+from drive_proofs import DriveProofs
 from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
 
 # A small scene with everything in it: ground, obstacles near and far, noise.
@@ -54,7 +55,7 @@ class Dumped:
         return int((cv2.imread(str(self.folder / f"{self.number:06d}" / "map.pgm"), 0) == 0).sum())
 
 
-class Parameters(ProgramTest):
+class Parameters(DriveProofs, ProgramTest):
     runs = 0
 
     def dump(self, *sets, frames=1, base=BASE):

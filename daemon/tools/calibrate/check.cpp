@@ -27,7 +27,7 @@ std::string two_digits(double value) {
 
 Config read(const Options& options) {
   Config config;
-  const Reading reading = read_config(options.config, options.sets, config);
+  const ConfigReading reading = read_config(options.config, options.sets, config);
   if (reading.exit_code != 0) {
     std::string all;
     for (const Complaint& complaint : reading.complaints)

@@ -54,8 +54,9 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Tries to connect if it is not connected. `message()` says what is wrong and what would be right, in one line.
-  Connection connection();
+  /// Tries to connect if it is not connected, and waits for it as long as `limit`, which is at most 45 ms. `message()` says what is wrong
+  /// and what would be right, in one line.
+  Connection connection(Time limit = Time(45));
   const std::string& message() const;
   /// Waits until connected.
   bool wait_for_daemon(Time limit);
