@@ -14,7 +14,8 @@ std::unique_ptr<SharedMemory> publish(Driver& driver, const Config& config, cons
     TopicList topics;
     for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
     try {
-      shared = std::make_unique<SharedMemory>(ShmOptions{config.main.name, config.ipc.group, static_cast<uint32_t>(config.ipc.memory)}, topics);
+      shared =
+          std::make_unique<SharedMemory>(ShmOptions{config.main.name, config.ipc.group, static_cast<uint32_t>(config.ipc.memory)}, topics);
     } catch (const ShmError& error) {
       // A recording can be evaluated beside the daemon that serves the rover.
       if (dump.empty() || error.exit_code != EX_UNAVAILABLE) throw;

@@ -35,7 +35,8 @@ void take_cpus(const std::string& text) {
   for (const int cpu : wanted.value()) {
     if (!allowed.contains(cpu))
       throw RealtimeError(EX_CONFIG, "[main] cpus = " + text + ": there is no processor " + std::to_string(cpu) +
-                                         " for this process, only " + text_of(allowed) + " (CPUAffinity and AllowedCPUs in its unit count)");
+                                         " for this process, only " + text_of(allowed) +
+                                         " (CPUAffinity and AllowedCPUs in its unit count)");
     CPU_SET(cpu, &set);
   }
   if (sched_setaffinity(0, sizeof set, &set) != 0) throw RealtimeError(EX_NOPERM, "[main] cpus = " + text + ": " + std::strerror(errno));
@@ -65,8 +66,8 @@ void take_processors(const main_section& main) {
   if (sched_setscheduler(0, main.scheduling == "fifo" ? SCHED_FIFO : SCHED_RR, &parameter) == 0) return;
   const std::string asked = "[main] scheduling = " + main.scheduling + ", priority = " + std::to_string(main.priority);
   // A control group without a share of the time for real time refuses even root with EPERM.
-  throw RealtimeError(EX_NOPERM, asked + ": " + std::strerror(errno) + "; this process may have priorities up to " + limit_of(RLIMIT_RTPRIO, 1) +
-                                     " (LimitRTPRIO in its unit, ulimit -r), or set scheduling = other");
+  throw RealtimeError(EX_NOPERM, asked + ": " + std::strerror(errno) + "; this process may have priorities up to " +
+                                     limit_of(RLIMIT_RTPRIO, 1) + " (LimitRTPRIO in its unit, ulimit -r), or set scheduling = other");
 }
 
 void lock_memory(const main_section& main) {

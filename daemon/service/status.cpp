@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdarg>
+#include <cstdio>
 
 namespace vdisp {
 namespace {
@@ -43,7 +43,8 @@ std::string status_line(const Facts& before, const Facts& now, double seconds) {
   line += floor_words(now);
   const uint64_t blind = now.blind_steps - before.blind_steps;
   line += now.synthetic ? ", frames of no camera" : ", camera delivers";
-  return blind ? line + text(", %llu of %llu steps blind", static_cast<unsigned long long>(blind), static_cast<unsigned long long>(now.steps - before.steps))
+  return blind ? line + text(", %llu of %llu steps blind", static_cast<unsigned long long>(blind),
+                             static_cast<unsigned long long>(now.steps - before.steps))
                : line;
 }
 

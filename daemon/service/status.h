@@ -20,11 +20,11 @@ struct Facts {
   bool good = false;           // one frame was, ever
   bool absent = false;         // the camera was known to be missing, ever
   bool synthetic = false;
-  bool floors = false;             // there is a search for them
-  Reason camera = Reason::none;    // why the last step is blind
-  Reason floor = Reason::none;     // why it has no floor
+  bool floors = false;                // there is a search for them
+  Reason camera = Reason::none;       // why the last step is blind
+  Reason floor = Reason::none;        // why it has no floor
   float height_m = 0, pitch_rad = 0;  // of the camera over the floor; NaN where not known
-  char fault[200] = "";            // the source's own words for `camera`
+  char fault[200] = "";               // the source's own words for `camera`
 };
 
 /// One line: rate, latency, floor, camera; of what lies between the two, `seconds` apart.
