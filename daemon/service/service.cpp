@@ -73,20 +73,16 @@ void Service::expect(int64_t pause_ns) noexcept {
   // A camera's pace is waited for in its own place.
   const double rate = config_.image_source.rate;
   const int64_t pause = std::max(pause_ns, rate > 0 ? static_cast<int64_t>(1e9 / rate) : 0);
-  if (facts_.pause_ns == pause) return;
+  if (facts_.pause_ns == pause && published_) return;
   facts_.pause_ns = pause;
   publish();
 }
 
-/// Where the thread is just reading, the next step tells.
+/// Where the thread is just reading, the next call tells.
 void Service::publish() noexcept {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (lock) shared_ = facts_;
-}
-
-void Service::notify_reloading(bool begins) noexcept {
-  const std::lock_guard lock(mutex_);
-  reloading_ = begins;
+  published_ = lock.owns_lock();
+  if (published_) shared_ = facts_;
 }
 
 void Service::stopping() {
@@ -109,19 +105,18 @@ void Service::work() {
   leave_realtime();
   Facts before, now;
   int64_t told_ns = begin_ns_;
-  for (bool reloading = false;;) {
+  for (;;) {
     {
       std::unique_lock lock(mutex_);
       if (woken_.wait_for(lock, tick, [this] { return ending_; })) return;
       now = shared_;
-      reloading = reloading_;
     }
     const bool attachable = attachable_();
     const int64_t now_ns = monotonic_ns();
     tell_ready(now, now_ns);
-    if (reloading != told_reload_) {
-      told_reload_ = reloading;
-      tell(reloading ? "RELOADING=1" : "READY=1");
+    if (reloading_ != told_reload_) {
+      told_reload_ = !told_reload_;
+      tell(told_reload_ ? "RELOADING=1" : "READY=1");
     }
     if (now_ns - told_ns >= second || (ready_ && before.steps == 0)) {
       const std::string trouble = attachable ? "" : "no new reader can attach; ";

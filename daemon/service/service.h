@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -32,8 +33,8 @@ class Service {
   void stepped(Outcome outcome, const Driver& driver, std::string_view fault) noexcept;
   /// The pause from step to step just now; also while one is waited for.
   void expect(int64_t pause_ns) noexcept;
-  /// A reload begins, or is done.
-  void notify_reloading(bool begins) noexcept;
+  /// A reload begins, or is done. From any thread; no wait.
+  void notify_reloading(bool begins) noexcept { reloading_ = begins; }
   /// The daemon ends.
   void stopping();
 
@@ -49,14 +50,16 @@ class Service {
   const std::function<bool()> attachable_;
   bool active_ = false;
 
-  Facts facts_;  // the loop's
+  Facts facts_;            // the loop's
+  bool published_ = true;  // as they are
   int64_t frame_ns_ = 0, map_ns_ = 0;
 
   std::mutex mutex_;  // of all below, up to the next empty line; the loop only tries to take it
   std::condition_variable woken_;
   Facts shared_;
-  bool reloading_ = false, ending_ = false;
+  bool ending_ = false;
 
+  std::atomic<bool> reloading_{false};
   int64_t watchdog_ns_ = 0, stretched_ns_ = 0;  // 0: systemd has no watchdog for us
   uint64_t fed_steps_ = 0;
   int64_t begin_ns_ = 0;

@@ -23,8 +23,9 @@ enum class WholeGrid : uint32_t {
 };
 
 /// What changed in the `occupancy` of the same frame (same sequence) since the last one, topic `map_changes`; `fused_changes` tells the
-/// same of `fused`. For planners that plan again only where something changed. `generation` is one more with each frame in which anything changed, and starts at 1 with each epoch
-/// (Image::epoch, in the header of the image that carries the record). Who has a copy of the grid at generation G of the same epoch:
+/// same of `fused`. For planners that plan again only where something changed. `generation` is one more with each frame in which anything
+/// changed, and starts at 1 with each epoch (Image::epoch, in the header of the image that carries the record). Who has a copy of the grid
+/// at generation G of the same epoch:
 ///   generation == G                      has all of it, nothing changed;
 ///   previous == G and whole == no        writes the `count` cells of the list into the copy;
 ///   else                                 missed something, or there is no list: reads the whole grid.
