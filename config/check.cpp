@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/cpu_list.h"
 #include "config/parameters.h"
 #include "config/quoting.h"
 
@@ -100,6 +101,12 @@ class Check {
     refuse({"main.name"}, "name has " + std::to_string(name.size()) + " bytes, must have from 1 to " + std::to_string(longest_name));
   }
 
+  void cpus() {
+    if (config_.main.cpus.empty() || cpu_list(config_.main.cpus)) return;
+    refuse({"main.cpus"}, value("main.cpus") + ", must be numbers of processors from 0 to " + std::to_string(largest_cpu) +
+                              " and ranges of them, as 0,2-3");
+  }
+
  private:
   void size(const std::string& source, const char* asked, int pixels, const char* made, int simulated) {
     if (source != "sim" || pixels == 0 || pixels == simulated) return;
@@ -114,6 +121,7 @@ class Check {
 std::vector<Contradiction> check(const Config& config) {
   Check check(config);
   check.name();
+  check.cpus();
   check.files();
   check.mosaic();
   check.sizes();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <iostream>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 
@@ -17,8 +18,10 @@
 #include "daemon/log/edges.h"
 #include "daemon/log/log.h"
 #include "daemon/options.h"
+#include "daemon/publish.h"
+#include "daemon/service/realtime.h"
+#include "daemon/service/service.h"
 #include "daemon/tree.h"
-#include "ipc/shm.h"
 
 namespace vdisp {
 namespace {
@@ -44,12 +47,16 @@ class Run {
     build_tree(driver_, std::move(source), machine_, config_, inputs_);
     if (!options.dot.empty()) write_graph(driver_, options.dot);
     if (!options.dump.empty()) dump_.emplace(options.dump);
-    publish();
+    shared_ = publish(driver_, config_, options.dump);
+    if (shared_) control_.emplace(config_, options.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
     if (dump_) driver_.need_all();
+    service_.emplace(config_, [this] { return !shared_ || shared_->attachable(); });
     driver_.set_viewer([this](const Topic& topic, const Image& image) {
       edges_.see(topic, image);
+      service_->see(topic, image);
       if (dump_) dump_->see(topic, image);
     });
+    lock_memory(config_.main);
   }
 
   /// Frames until the source ends, --frames is reached or a signal asks.
@@ -61,11 +68,13 @@ class Run {
         driver_.beat();
         continue;
       }
-      if (driver_.step() == Outcome::end) {
+      const Outcome outcome = driver_.step();
+      if (outcome == Outcome::end) {
         if (!source_->fault().empty()) log::warn("{}", source_->fault());
         break;
       }
       driver_.beat();
+      service_->stepped(outcome, driver_, source_->fault());
       if (driver_.steps() == 1)
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
@@ -77,7 +86,8 @@ class Run {
 
   /// Readers survive only this way of ending (ipc/shm.h).
   void leave(int exit_code) {
-    alarm(15);         // a camera that does not answer takes seconds
+    alarm(15);  // a camera that does not answer takes seconds
+    service_->stopping();
     source_->close();  // the process may end without destructors, and a GigE camera would not know for 3 s
     alarm(2);          // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
@@ -87,27 +97,9 @@ class Run {
   }
 
  private:
-  void publish() {
-    if (config_.main.middleware != "none") {
-      TopicList topics;
-      for (const Topic& topic : driver_.published_topics()) topics.emplace_back(topic.name, topic.spec);
-      try {
-        shared_.emplace(ShmOptions{config_.main.name, config_.ipc.group, static_cast<uint32_t>(config_.ipc.memory)}, topics);
-      } catch (const ShmError& error) {
-        // A recording can be evaluated beside the daemon that serves the rover.
-        if (!dump_ || error.exit_code != EX_UNAVAILABLE) throw;
-        log::warn("{}; this run only writes {}", error.what(), options_.dump);
-      }
-    }
-    if (shared_) control_.emplace(config_, options_.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
-    driver_.connect([this](const std::string& topic, const ImageSpec& spec) -> std::unique_ptr<Outlet> {
-      if (shared_) return shared_->outlet(topic, spec);
-      return std::make_unique<BufferOutlet>(spec);
-    });
-  }
-
   /// What came by the control socket, between two frames.
   void serve() {
+    service_->expect(period_ns());
     for (std::string line; source_->news(line);) log::info("{}", line);
     if (!control_ || !control_->serve(driver_.steps())) return;
     driver_.set_config_generation(control_->generation());
@@ -123,9 +115,10 @@ class Run {
   Machine machine_;
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
-  std::optional<SharedMemory> shared_;
+  std::unique_ptr<SharedMemory> shared_;
   std::optional<CommandSocket> control_;
   std::optional<Dump> dump_;
+  std::optional<Service> service_;
 };
 
 int main(int argc, char** argv) {
@@ -137,6 +130,7 @@ int main(int argc, char** argv) {
   std::optional<Run> run;
   int exit_code = EX_OK;
   try {
+    take_processors(parsed.options.config.main);
     run.emplace(parsed.options);
     run->loop();
   } catch (...) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <iceoryx_posh/internal/roudi/roudi.hpp>
 #include <map>
 #include <mutex>
@@ -15,11 +17,18 @@ class EmbeddedRoudi final : public iox::roudi::RouDi {
  public:
   EmbeddedRoudi(iox::roudi::RouDiMemoryInterface& memory, iox::roudi::PortManager& ports);
 
+  /// Asks its own message thread, by the socket that a new reader would use. No wait; from one thread.
+  void ask() noexcept;
+  /// How long ago both threads were last seen at work: the one that answers, when a question of ask() reached it, and the one that keeps
+  /// the list, which stands still when its lock is never given back.
+  int64_t silence_ns() const noexcept;
+
  private:
   void processMessage(const iox::runtime::IpcMessage& message, const iox::runtime::IpcMessageType& command,
                       const iox::RuntimeName_t& name) noexcept override;
   void cyclicUpdateHook() noexcept override;
 
+  std::atomic<int64_t> answered_ns_, cycled_ns_;  // CLOCK_MONOTONIC
   std::mutex mutex_;
   std::map<std::string, int> clients_;  // name -> pid, as it registered
 };

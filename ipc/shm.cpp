@@ -30,6 +30,7 @@ struct SharedMemory::Implementation {
   // Never destroyed: their destructors destroy mutexes that readers may still use.
   iox::roudi::IceOryxRouDiComponents* components = nullptr;
   iox::mepoo::MemoryManager* memory = nullptr;
+  EmbeddedRoudi* roudi = nullptr;
 
   void start();
 };
@@ -67,7 +68,7 @@ void SharedMemory::Implementation::start() {
   config.m_sharedMemorySegments.push_back({group, group, pools});
   components = new iox::roudi::IceOryxRouDiComponents(config);
   restrict_segments(rights);
-  new EmbeddedRoudi(components->rouDiMemoryManager, components->portManager);
+  roudi = new EmbeddedRoudi(components->rouDiMemoryManager, components->portManager);
   new iox::runtime::PoshRuntimeSingleProcess(iox::RuntimeName_t(iox::cxx::TruncateToCapacity, daemon_runtime));
   restrict_sockets(rights);
   auto user = iox::posix::PosixUser::getUserOfCurrentProcess();
@@ -109,6 +110,13 @@ std::unique_ptr<Outlet> SharedMemory::outlet(const std::string& topic, const Ima
   const Muted muted;
   return std::make_unique<ShmOutlet>(iox::capro::ServiceDescription{"vdisp", text(self.options.instance), text(topic)}, spec,
                                      self.plan.pools[found->second].block_bytes, *self.memory, static_cast<uint32_t>(found->second));
+}
+
+bool SharedMemory::attachable() noexcept {
+  constexpr int64_t longest_silence_ns = 2'000'000'000;  // both threads are at work ten times a second
+  EmbeddedRoudi& roudi = *implementation_->roudi;
+  roudi.ask();
+  return access(management_segment, F_OK) == 0 && roudi.silence_ns() < longest_silence_ns;
 }
 
 void SharedMemory::leave(int exit_code) {

@@ -43,6 +43,9 @@ class SharedMemory {
   SharedMemory(const ShmOptions& options, const TopicList& topics);
   ~SharedMemory();
   std::unique_ptr<Outlet> outlet(const std::string& topic, const ImageSpec& spec);
+  /// Whether a new reader could attach just now: the socket that it would use is there, and what answers it works. Asks, and judges by
+  /// the answers of the last 2 s: call it several times a second, from one thread. No wait.
+  bool attachable() noexcept;
   /// Ends the process at once with this exit code, leaving readers unharmed.
   [[noreturn]] static void leave(int exit_code);
 

@@ -6,6 +6,7 @@ SPDX-License-Identifier: Apache-2.0
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import time
 
@@ -120,6 +121,61 @@ class Parameters(DriveProofs, ProgramTest):
         stages = self.dump("main.detectors=none").json["stages"]
         self.assertIn("disparity", stages)
         self.assertNotIn("map", stages)
+
+    def scheduled(self, *sets):
+        """{name of a thread: (policy, real-time priority, processors)} of the running daemon, and what it has locked (kB)."""
+        words = [word for item in [*BASE, "main.threads=2", *sets] for word in ("--set", item)]
+        with Running("vdispd", *words) as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text()), daemon.text())
+            threads = {}
+            for task in pathlib.Path(f"/proc/{daemon.process.pid}/task").iterdir():
+                number = int(task.name)
+                name = "loop" if number == daemon.process.pid else (task / "comm").read_text().strip() + task.name
+                threads[name] = (os.sched_getscheduler(number), os.sched_getparam(number).sched_priority, os.sched_getaffinity(number))
+            locked = int(re.search(r"VmLck:\s*(\d+)", pathlib.Path(f"/proc/{daemon.process.pid}/status").read_text())[1])
+        return threads, locked
+
+    def real_time(self, *sets):
+        threads, _ = self.scheduled("main.debug=1", *sets)
+        return [policy[:2] for policy in threads.values() if policy[0] != os.SCHED_OTHER], threads["loop"][:2]
+
+    def refused_to_nobody(self, *words):
+        """What vdispd says to a user without rights."""
+        # That user need not see the build; /tmp is this test's own.
+        for name in ("vdispd", "vdisp_sim.so"):
+            shutil.copy(BIN / name, "/tmp")
+        return subprocess.run(["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups", "prlimit", "--rtprio=0", "--memlock=65536",
+                               "/tmp/vdispd", *[word for item in [*BASE, *words] for word in ("--set", item)], "--frames", "1"],
+                              capture_output=True, text=True, timeout=60)
+
+    def test_main_scheduling(self):
+        self.assertEqual(self.real_time("main.scheduling=other"), ([], (os.SCHED_OTHER, 0)))
+        for word, policy in (("fifo", os.SCHED_FIFO), ("rr", os.SCHED_RR)):
+            threads, loop = self.real_time(f"main.scheduling={word}")
+            self.assertEqual(loop, (policy, 10))
+            self.assertGreaterEqual(threads.count((policy, 10)), 2, threads)  # the loop and its second band
+        everything, _ = self.scheduled("main.scheduling=fifo", "main.debug=1")
+        self.assertIn(os.SCHED_OTHER, [policy for policy, _, _ in everything.values()])  # the log
+        self.assert_refused(self.refused_to_nobody("main.scheduling=fifo"), 77, "[main] scheduling = fifo", "LimitRTPRIO")
+
+    def test_main_priority(self):
+        for priority in (3, 40):
+            self.assertEqual(self.real_time("main.scheduling=rr", f"main.priority={priority}")[1], (os.SCHED_RR, priority))
+
+    def test_main_cpus(self):
+        mine = sorted(os.sched_getaffinity(0))
+        for text, cpus in ((str(mine[-1]), {mine[-1]}), (f"{mine[0]} , {mine[-1]}", {mine[0], mine[-1]}), ("", set(mine))):
+            threads, _ = self.scheduled(f"main.cpus={text}", "main.debug=1")
+            # All but the log, which was there before.
+            self.assertEqual([name for name, (_, _, where) in threads.items() if where != cpus and not name.startswith("vdispd")], [], text)
+        self.assert_refused(run("vdispd", "--sim", "--set", "main.cpus=1000"), 78, "[main] cpus = 1000", "processor 1000", str(mine[0]))
+        for text in ("x", "3-1", "1,", "-1", "0-5000"):
+            self.assert_refused(run("vdispd", "--sim", "--set", f"main.cpus={text}"), 78, "main.cpus", "as 0,2-3")
+
+    def test_main_lockMemory(self):
+        self.assertLess(self.scheduled("main.lockMemory=no", "main.debug=1")[1], 1000)
+        self.assertGreater(self.scheduled("main.lockMemory=yes", "main.debug=1")[1], 20000)
+        self.assert_refused(self.refused_to_nobody("main.lockMemory=yes"), 77, "[main] lockMemory = yes", "LimitMEMLOCK")
 
     # [image source]
     def files(self, *sets, frames=1):
