@@ -44,6 +44,15 @@ Classes Drives::classes(bool apart) const {
   return found;
 }
 
+void Drives::require_classes(bool apart) const {
+  const Classes found = classes(apart);
+  if (found.missing().empty()) return;
+  const std::string what = found.all() == 0 ? "no labelled pair" : "no pair with label " + found.missing();
+  throw ToolError(EX_NOINPUT, what + " in the " + counted(count(apart), "recording") +
+                                  (apart ? " held apart to judge on" : " to train with") + "; needed are forward, left and right" +
+                                  (apart ? ": give others with --test, or another --hold-out or --split-seed" : ""));
+}
+
 size_t Drives::count(bool apart) const {
   return static_cast<size_t>(
       std::count_if(sources.begin(), sources.end(), [apart](const snow::Source& source) { return source.held_apart == apart; }));

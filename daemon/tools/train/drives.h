@@ -34,6 +34,9 @@ struct Drives {
 
   bool held_apart(const Sample& sample) const { return sources[sample.drive].held_apart; }
   Classes classes(bool held_apart) const;
+  /// Throws ToolError (66) unless there are pairs of all three labels, naming what is missing: one class teaches nothing, and judges
+  /// nothing.
+  void require_classes(bool held_apart) const;
   /// Drives that are held apart, or not.
   size_t count(bool held_apart) const;
   /// Numbers of the samples that are held apart, or not.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/tools/train/feature_table.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "daemon/tools/train/front_end.h"
@@ -41,24 +42,34 @@ FeatureTable::FeatureTable(const Drives& drives, const snow::Settings& settings,
     const size_t bytes = static_cast<size_t>(spec.width) * spec.height;
     columns_[encoding] = {bytes, std::vector<uint8_t>(bytes * drives.samples.size())};
   }
+  blind_.resize(drives.samples.size());
   const auto pieces = pieces_of(drives);
+  Machine machine;  // of one thread: the pairs are what is shared
   std::vector<Seat> seats(static_cast<size_t>(threads));
   Progress progress("features", drives.samples.size());
   in_parallel(threads, pieces.size(), [&](size_t task, int number) {
     Seat& seat = seats[static_cast<size_t>(number)];
     const uint32_t drive = drives.samples[pieces[task].first].drive;
     if (seat.drive != drive) {
-      seat.front_end = std::make_unique<FrontEnd>(drives.recordings[drive], settings);
+      seat.front_end = std::make_unique<FrontEnd>(drives.recordings[drive], settings, machine);
       seat.drive = drive;
     }
     for (uint32_t sample = pieces[task].first; sample < pieces[task].last; ++sample) {
-      seat.front_end->run(drives.samples[sample].pair);
+      blind_[sample] = seat.front_end->run(drives.samples[sample].pair) != Reason::none;
       for (auto& [encoding, column] : columns_)
-        seat.front_end->features(encoding, {column.pixels.data() + column.bytes * sample, column.bytes});
+        if (!blind_[sample]) seat.front_end->features(encoding, {column.pixels.data() + column.bytes * sample, column.bytes});
       progress.add(1);
     }
   });
 }
+
+std::vector<uint32_t> FeatureTable::numbers(const Drives& drives, bool held_apart) const {
+  std::vector<uint32_t> seen = drives.numbers(held_apart);
+  std::erase_if(seen, [this](uint32_t sample) { return blind(sample); });
+  return seen;
+}
+
+size_t FeatureTable::blind_count() const { return static_cast<size_t>(std::count(blind_.begin(), blind_.end(), 1)); }
 
 std::span<const uint32_t> FeatureTable::ids(snow::Encoding encoding, uint32_t sample, std::span<uint32_t> ids) const {
   const Columns& column = columns_.at(encoding);

@@ -20,6 +20,11 @@ class FeatureTable {
 
   /// The features' numbers; `ids` has active_features(encoding) places.
   std::span<const uint32_t> ids(snow::Encoding encoding, uint32_t sample, std::span<uint32_t> ids) const;
+  /// Where the daemon would be blind: too dark, too bright, nothing matched. There are no features.
+  bool blind(uint32_t sample) const { return blind_[sample]; }
+  /// Samples that are not blind, held apart or not.
+  std::vector<uint32_t> numbers(const Drives& drives, bool held_apart) const;
+  size_t blind_count() const;
 
  private:
   struct Columns {
@@ -27,6 +32,7 @@ class FeatureTable {
     std::vector<uint8_t> pixels;
   };
   std::map<snow::Encoding, Columns> columns_;
+  std::vector<uint8_t> blind_;
 };
 
 }  // namespace vdisp::train

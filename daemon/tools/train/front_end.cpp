@@ -36,10 +36,11 @@ struct FrontEnd::Stages {
   std::unique_ptr<Rectify> stage[2];
 };
 
-FrontEnd::FrontEnd(const Recording& recording, const snow::Settings& settings) : stages_(std::make_unique<Stages>(recording, settings)) {}
+FrontEnd::FrontEnd(const Recording& recording, const snow::Settings& settings, Machine&)
+    : stages_(std::make_unique<Stages>(recording, settings)) {}
 FrontEnd::~FrontEnd() = default;
 
-void FrontEnd::run(size_t pair) {
+Reason FrontEnd::run(size_t pair) {
   Stages& s = *stages_;
   const int W = int(s.settings.width), H = int(s.settings.height), D = int(s.settings.disparities), B = int(s.settings.block);
   s.recording.read(pair, s.raw[0].loan(), s.raw[1].loan());
@@ -82,6 +83,7 @@ void FrontEnd::run(size_t pair) {
       disp.row<int16_t>(v)[u] = int16_t(16 * d);
       ++depth.row<int16_t>(d)[u];
     }
+  return Reason::none;
 }
 
 void FrontEnd::features(snow::Encoding encoding, std::span<uint8_t> pixels) const {

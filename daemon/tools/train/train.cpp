@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "daemon/tools/train/report.h"
 #include "daemon/tools/train/words.h"
@@ -65,16 +66,6 @@ Plan plan_of(const Options& options) {
   return plan;
 }
 
-void require_classes(const Drives& drives, bool apart) {
-  const Classes classes = drives.classes(apart);
-  if (classes.missing().empty()) return;
-  const std::string where = apart ? "held apart to judge on" : "to train with";
-  const std::string what = classes.all() == 0 ? "no labelled pair" : "no pair with label " + classes.missing();
-  throw ToolError(EX_NOINPUT, what + " in the " + counted(drives.count(apart), "recording") + " " + where +
-                                  "; needed are forward, left and right" +
-                                  (apart ? ": give others with --test, or another --hold-out or --split-seed" : ""));
-}
-
 /// Those of the chosen encoding first.
 std::vector<Job> jobs_of(const Plan& plan, bool compare) {
   std::vector<Job> jobs{{plan.settings.encoding, plan.winnow}};
@@ -96,7 +87,7 @@ Judged judged(const Drives& drives, const FeatureTable& table, const Job& job, C
   return result;
 }
 
-std::string text_of(const Drives& drives) {
+std::string text_of(const Drives& drives, size_t blind) {
   const Classes with = drives.classes(false), apart = drives.classes(true);
   std::string text;
   for (const auto& [what, classes, count] :
@@ -104,11 +95,12 @@ std::string text_of(const Drives& drives) {
     text += std::string(what) + ": " + counted(count, "drive") + ", " + std::to_string(classes.forward) + " pairs forward, " +
             std::to_string(classes.left) + " left, " + std::to_string(classes.right) + " right\n";
   if (drives.unlabelled) text += "left out: " + std::to_string(drives.unlabelled) + " pairs without label\n";
+  if (blind) text += "left out: " + std::to_string(blind) + " pairs with which the daemon would be blind\n";
   if (drives.cut_off) text += "left out: " + std::to_string(drives.cut_off) + " pairs or lines that were cut off\n";
   return text;
 }
 
-nlohmann::json json_of(const Drives& drives) {
+nlohmann::json json_of(const Drives& drives, size_t blind) {
   nlohmann::json json;
   for (const bool apart : {false, true}) {
     const Classes classes = drives.classes(apart);
@@ -116,12 +108,23 @@ nlohmann::json json_of(const Drives& drives) {
         {"drives", drives.count(apart)}, {"forward", classes.forward}, {"left", classes.left}, {"right", classes.right}};
   }
   json["unlabelled"] = drives.unlabelled;
+  json["blind"] = blind;
   return json;
 }
 
-void tell(const Options& options, const Drives& drives, const std::vector<Judged>& all) {
+/// What the daemon's configuration has to say for this model, where that is not the default.
+std::string keys_of(const snow::Settings& settings) {
+  static constexpr const char* smooths[] = {"none", "mean", "median"};
+  std::ostringstream text;
+  text << "for vdisp.cfg: [census] encoding = " << name(settings.encoding) << ", smooth = " << smooths[static_cast<size_t>(settings.smooth)]
+       << ", block = " << settings.block << ", width = " << settings.disparities << ", confidence = " << settings.confidence
+       << "; scale so that views are " << settings.width << "x" << settings.height << "\n";
+  return text.str();
+}
+
+void tell(const Options& options, const Plan& plan, const Drives& drives, size_t blind, const std::vector<Judged>& all) {
   if (options.json) {
-    nlohmann::json json = json_of(drives);
+    nlohmann::json json = json_of(drives, blind);
     json["model"] = options.output;
     for (const Judged& one : all) {
       json["encodings"][one.encoding] = {{"obstacle", json_of(one.obstacle)}, {"direction", json_of(one.direction)}};
@@ -130,10 +133,10 @@ void tell(const Options& options, const Drives& drives, const std::vector<Judged
     std::cout << json.dump(2) << '\n';
     return;
   }
-  std::cout << text_of(drives);
+  std::cout << text_of(drives, blind);
   for (const Judged& one : all)
     if (drives.count(true)) std::cout << "\n" << one.encoding << "\n" << text_of(one.obstacle) << text_of(one.direction);
-  std::cout << "\nmodel: " << options.output << "\n";
+  std::cout << "\nmodel: " << options.output << "\n" << keys_of(plan.settings);
 }
 
 }  // namespace
@@ -142,9 +145,9 @@ int train(const Options& options) {
   require_place(options.output);
   const Plan plan = plan_of(options);
   const Drives drives = open_drives(plan.sources);
-  require_classes(drives, false);
+  drives.require_classes(false);
   if (drives.count(true))
-    require_classes(drives, true);
+    drives.require_classes(true);
   else if (options.compare || options.detection || !options.plots.empty())
     throw ToolError(EX_USAGE, "--compare, --detection and --plots need recordings held apart; give --test DIR or --hold-out");
   const auto jobs = jobs_of(plan, options.compare);
@@ -160,7 +163,7 @@ int train(const Options& options) {
   });
   save(options.output, plan.settings, *chosen, drives);
   if (!options.plots.empty() && drives.count(true)) write_plots(options.plots, all);
-  tell(options, drives, all);
+  tell(options, plan, drives, table.blind_count(), all);
   return EX_OK;
 }
 

@@ -20,9 +20,9 @@ struct Lesson {
   uint64_t count[2] = {};  // of first and second
 };
 
-Lesson lesson_of(const Drives& drives, bool direction) {
+Lesson lesson_of(const Drives& drives, const FeatureTable& table, bool direction) {
   Lesson lesson{{}, direction ? Label::left : Label::forward};
-  for (const uint32_t sample : drives.numbers(false)) {
+  for (const uint32_t sample : table.numbers(drives, false)) {
     const Label label = drives.samples[sample].label;
     if (direction && label == Label::forward) continue;
     lesson.samples.push_back(sample);
@@ -64,7 +64,7 @@ Classifier classifier_of(Unfinished& job, size_t at, const snow::Winnow& winnow,
 
 void train_all(const Drives& drives, const FeatureTable& table, std::span<const Job> jobs, int threads,
                const std::function<void(size_t, Classifiers&&)>& done) {
-  const Lesson lessons[] = {lesson_of(drives, false), lesson_of(drives, true)};
+  const Lesson lessons[] = {lesson_of(drives, table, false), lesson_of(drives, table, true)};
   std::vector<Unfinished> unfinished(jobs.size());
   std::mutex finishing;
   size_t passes = 0;
@@ -109,14 +109,14 @@ Judgement judge(const Drives& drives, const FeatureTable& table, snow::Encoding 
   const auto difference = [](const Classifier& c, std::span<const uint32_t> ids) {
     return (c.first.activation(ids) - c.second.activation(ids)) / c.trained.winnow.theta;
   };
-  return judge(drives, drives.numbers(true), threads, [&](uint32_t sample, std::span<uint32_t> space) {
+  return judge(drives, table.numbers(drives, true), threads, [&](uint32_t sample, std::span<uint32_t> space) {
     const auto ids = table.ids(encoding, sample, space);
     return Differences{difference(classifiers.obstacle, ids), difference(classifiers.direction, ids)};
   });
 }
 
 Judgement judge(const Drives& drives, const FeatureTable& table, const snow::Model& model, int threads) {
-  return judge(drives, drives.numbers(true), threads, [&](uint32_t sample, std::span<uint32_t> space) {
+  return judge(drives, table.numbers(drives, true), threads, [&](uint32_t sample, std::span<uint32_t> space) {
     const auto ids = table.ids(model.settings().encoding, sample, space);
     return Differences{snow::Model::difference(model.obstacle(ids), model.obstacle_training()),
                        snow::Model::difference(model.direction(ids), model.direction_training())};

@@ -48,6 +48,10 @@ std::vector<Trial> trials_of(const snow::Settings& settings, const Grid& grid, c
 
 void judge_trial(Trial& trial, const Drives& drives, const FeatureTable& table, const Classifiers& found, int threads) {
   const Judgement judgement = judge(drives, table, trial.settings.encoding, found, threads);
+  if (snow::roc_curve(judgement.obstacle).empty() || snow::roc_curve(judgement.direction).empty())
+    throw ToolError(
+        EX_NOINPUT,
+        "with this front end the daemon would be blind with every pair of a class; more light, or a lower confidence is needed");
   trial.obstacle_auc = snow::area_under_curve(judgement.obstacle);
   trial.direction_auc = snow::area_under_curve(judgement.direction);
   trial.obstacle_sensitivity = obstacle_sensitivity_of(snow::best_point(snow::roc_curve(judgement.obstacle)));
@@ -93,12 +97,7 @@ Drives drives_of(const Options& options) {
     for (auto& source : sources_of(options.test, 1, true)) sources.push_back(std::move(source));
   Drives drives = open_drives(std::move(sources));
   drives.thin(options.grid.pairs);
-  for (const bool apart : {false, true}) {
-    const std::string missing = drives.classes(apart).missing();
-    if (!missing.empty())
-      throw ToolError(EX_NOINPUT, "no pair with label " + missing + " in the " + counted(drives.count(apart), "recording") +
-                                      (apart ? " held apart" : " to train with") + "; needed are forward, left and right");
-  }
+  for (const bool apart : {false, true}) drives.require_classes(apart);
   return drives;
 }
 
