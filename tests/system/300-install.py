@@ -72,6 +72,7 @@ class Install(unittest.TestCase):
     def test_programs_manuals_and_configuration_are_there(self):
         for name in ("bin/vdispd", "bin/vdisp-probe", "bin/vdisp-planner", "bin/vdisp-incremental-planner", "share/man/man1/vdispd.1",
                      "share/man/man1/vdisp-probe.1", "bin/vdisp-calibrate", "share/man/man1/vdisp-calibrate.1",
+                     "bin/vdisp-train", "share/man/man1/vdisp-train.1",
                      "share/man/man5/vdisp.cfg.5", "etc/vdisp/vdisp.cfg"):
             self.assertTrue((self.prefix / name).is_file(), name)
         headers = {path.name for path in (self.prefix / "include/vdisp").iterdir()}
