@@ -37,6 +37,12 @@ class Check {
       refuse({"decide.near", "decide.far"}, value("decide.near") + ", must be less than " + value("decide.far"));
   }
 
+  void snow() {
+    if (!config_.detects("snow") || !config_.snow.model.empty()) return;
+    refuse({"main.detectors", "snow.model"},
+           value("main.detectors") + " without [snow] model, must have what vdisp-train makes of recordings: model = a file");
+  }
+
   void cells(const char* side, double metres) {
     const double count = std::round(metres / config_.map.cell);
     if (count >= 1 && count <= most_cells) return;
@@ -118,6 +124,16 @@ class Check {
 
 }  // namespace
 
+bool Config::detects(std::string_view detector) const {
+  const std::string_view words = main.detectors;
+  for (size_t i = 0; i <= words.size();) {
+    const size_t comma = std::min(words.find(", ", i), words.size());
+    if (words.substr(i, comma - i) == detector) return true;
+    i = comma + 2;
+  }
+  return false;
+}
+
 std::vector<Contradiction> check(const Config& config) {
   Check check(config);
   check.name();
@@ -127,6 +143,7 @@ std::vector<Contradiction> check(const Config& config) {
   check.search();
   check.floor();
   check.angle();
+  check.snow();
   check.decide();
   check.cells("Map.range", config.map.range);
   check.cells("Map.width", config.map.width);

@@ -4,9 +4,15 @@
 
 #include "daemon/control/republish.h"
 #include "daemon/sources/camera_report.h"
+#include "daemon/stages/census_disparity.h"
+#include "daemon/stages/census_view.h"
+#include "daemon/stages/classify.h"
+#include "daemon/stages/cross_check.h"
 #include "daemon/stages/decide.h"
+#include "daemon/stages/depth_map.h"
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/drive.h"
+#include "daemon/stages/features.h"
 #include "daemon/stages/floor.h"
 #include "daemon/stages/fused_map.h"
 #include "daemon/stages/height.h"
@@ -21,6 +27,7 @@
 #include "daemon/stages/show_line.h"
 #include "daemon/stages/show_obstacle.h"
 #include "daemon/stages/show_scene.h"
+#include "daemon/stages/smoothed_view.h"
 #include "daemon/stages/surfaces.h"
 #include "daemon/stages/tracks.h"
 #include "daemon/stages/vdisparity.h"
@@ -86,10 +93,27 @@ Handles add_plane_branch(const Trunk& t, Handle disparity) {
   return fused;
 }
 
+/// The second paper: census images, depth map, classifiers. Gives their scores.
+Handle add_snow_branch(const Trunk& t) {
+  const auto& [driver, machine, config, left, right, in] = t;
+  const auto smooth_left = driver.add("smooth/left", make_unique<SmoothedView>(machine, config), {left});
+  const auto smooth_right = driver.add("smooth/right", make_unique<SmoothedView>(machine, config), {right});
+  const auto census_left = driver.add("census/left", make_unique<CensusView>(machine), {smooth_left});
+  const auto census_right = driver.add("census/right", make_unique<CensusView>(machine), {smooth_right});
+  const auto disparity =
+      driver.add("census_disparity", make_unique<CensusDisparity>(machine, config), {census_left, census_right, smooth_left});
+  const auto depth_map = driver.add("depth_map", make_unique<DepthMap>(machine, config), {disparity});
+  const auto features = driver.add("features", make_unique<Features>(config), {disparity, depth_map});
+  return driver.add("snow", make_unique<Classify>(config), {features, smooth_left}, Need::always);
+}
+
 /// What the rover is to do, of all that the detectors say of the way.
 void add_drive(const Trunk& t, const Handles& ways) {
   const auto decision = t.driver.add("decision", make_unique<Decide>(t.config), ways, Need::always);
-  t.driver.add("drive", make_unique<Drive>(t.config), {even_blind(decision), even_blind(t.in[2])}, Need::always);
+  Handles orders{even_blind(decision), even_blind(t.in[2])};
+  if (t.config.detects("vdisparity") && t.config.detects("snow"))
+    orders.push_back(even_blind(t.driver.add("cross_check", make_unique<CompareWays>(t.config), ways, Need::always)));
+  t.driver.add("drive", make_unique<Drive>(t.config), orders, Need::always);
 }
 
 }  // namespace
@@ -110,10 +134,15 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
 
   // The floor of the last frame tells the matcher where to expect this one's.
   Handles views{left, right};
-  const bool floors = config.main.detectors == "vdisparity";
+  const bool floors = config.detects("vdisparity"), snow = config.detects("snow");
   if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
-  const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
-  if (floors) add_drive(trunk, config.floor.model == "line" ? add_line_branch(trunk, disparity) : add_plane_branch(trunk, disparity));
+  const auto disparity =
+      driver.add("disparity", make_unique<Disparity>(machine, config), views, snow && !floors ? Need::on_demand : Need::always);
+
+  Handles ways;
+  if (floors) ways = config.floor.model == "line" ? add_line_branch(trunk, disparity) : add_plane_branch(trunk, disparity);
+  if (snow) ways.push_back(add_snow_branch(trunk));
+  if (!ways.empty()) add_drive(trunk, ways);
   stereo.add_truth(driver, camera[0]);
 }
 

@@ -5,22 +5,25 @@
 namespace vdisp {
 
 std::vector<ImageSpec> Decide::check(std::span<const ImageSpec> in) {
-  if (in.empty() || in.size() > 2)
-    throw FormatError("takes a grid, and its reasons where it has some, was given " + std::to_string(in.size()) + " images");
-  require(in[0], in.size() == 2 ? Pixel::int8 : Pixel::count16, "the grid");
-  if (in.size() == 2) {
-    require(in[1], Pixel::gray8, "the reason");
-    require_same_size(in[0], in[1]);
-  }
-  map_.prepare(in[0]);
+  ways_.prepare(in);
   return {record_spec<Decision>()};
 }
 
 Outcome Decide::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
-  const MapWay way = map_.look(*in[0], in.size() == 2 ? in[1] : nullptr);
   Decision& decision = make_record<Decision>(*out[0]);
+  Way way{.free = true, .left = true, .clearness = 1};
+  decision.decider = Decider::none;
+  const auto hear = [&](const Way& says, Decider who) {
+    if (decision.decider == Decider::none || (way.free && !says.free)) {
+      decision.decider = who;
+      way.left = says.left;
+    }
+    way.free = way.free && says.free;
+    way.clearness = std::min(way.clearness, says.clearness);
+  };
+  if (ways_.has_map()) hear(ways_.map(in), Decider::vdisparity);
+  if (ways_.has_snow()) hear(ways_.snow(in), Decider::snow);
   decision.steering = machine_.step(way, in[0]->timestamp_ns, config_.decide.hold);
-  decision.decider = Decider::vdisparity;
   decision.clearness = way.clearness;
   decision.since_s = machine_.since_s();
   decision.changes = machine_.changes();
