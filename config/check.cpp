@@ -30,6 +30,19 @@ class Check {
            value("Floor.anglefloorMin") + ", must be less than " + value("Floor.anglefloorMax"));
   }
 
+  void decide() {
+    if (config_.decide.leastSpeed > config_.decide.speed)
+      refuse({"decide.leastSpeed", "decide.speed"}, value("decide.leastSpeed") + ", must be at most " + value("decide.speed"));
+    if (config_.decide.near >= config_.decide.far)
+      refuse({"decide.near", "decide.far"}, value("decide.near") + ", must be less than " + value("decide.far"));
+  }
+
+  void snow() {
+    if (!config_.detects("snow") || !config_.snow.model.empty()) return;
+    refuse({"main.detectors", "snow.model"},
+           value("main.detectors") + " without [snow] model, must have what vdisp-train makes of recordings: model = a file");
+  }
+
   void cells(const char* side, double metres) {
     const double count = std::round(metres / config_.map.cell);
     if (count >= 1 && count <= most_cells) return;
@@ -111,6 +124,16 @@ class Check {
 
 }  // namespace
 
+bool Config::detects(std::string_view detector) const {
+  const std::string_view words = main.detectors;
+  for (size_t i = 0; i <= words.size();) {
+    const size_t comma = std::min(words.find(", ", i), words.size());
+    if (words.substr(i, comma - i) == detector) return true;
+    i = comma + 2;
+  }
+  return false;
+}
+
 std::vector<Contradiction> check(const Config& config) {
   Check check(config);
   check.name();
@@ -120,6 +143,8 @@ std::vector<Contradiction> check(const Config& config) {
   check.search();
   check.floor();
   check.angle();
+  check.snow();
+  check.decide();
   check.cells("Map.range", config.map.range);
   check.cells("Map.width", config.map.width);
   return std::move(check.found);

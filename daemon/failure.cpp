@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "daemon/control/inlet.h"
+#include "daemon/snow/model.h"
 #include "daemon/sources/source.h"
 #include "ipc/png.h"
 #include "ipc/shm.h"
@@ -29,6 +30,8 @@ int explain(std::exception_ptr failure) {
   } catch (const ShmError& error) {
     return say(error.exit_code, error.what());
   } catch (const ControlError& error) {
+    return say(error.exit_code, error.what());
+  } catch (const snow::ModelError& error) {
     return say(error.exit_code, error.what());
   } catch (const WriteError& error) {
     return say(error.exit_code, error.what());
