@@ -65,6 +65,7 @@ class Run {
         driver_.beat();
         continue;
       }
+      if (const auto sequence = source_->next_sequence()) driver_.set_sequence(*sequence);
       if (driver_.step() == Outcome::end) {
         if (!source_->fault().empty()) log::warn("{}", source_->fault());
         break;
@@ -118,7 +119,7 @@ class Run {
   /// What came by the control socket, between two frames.
   void serve() {
     for (std::string line; source_->news(line);) log::info("{}", line);
-    if (!control_ || !control_->serve(driver_.steps())) return;
+    if (!control_ || !control_->serve(driver_.sequence())) return;
     driver_.set_config_generation(control_->generation());
     log::set_level(config_.main.debug);
   }
