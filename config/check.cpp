@@ -59,10 +59,18 @@ class Check {
 
   void files() {
     const auto& s = config_.image_source;
-    if (s.left.empty() && !s.right.empty()) {
+    if (!s.recording.empty() && s.source == "files") {
+      if (!s.left.empty())
+        refuse({"image source.recording", "image source.left"},
+               value("image source.recording") + " and " + value("image source.left") + ", must be one of them");
+      if (!s.odometry.empty())
+        refuse({"image source.recording", "image source.odometry"},
+               value("image source.odometry") + " with a recording, must be left out: recording tells its own");
+    } else if (s.left.empty() && !s.right.empty()) {
       refuse({"image source.right", "image source.left"}, value("image source.right") + " without left, must have the left images too");
     } else if (s.left.empty() && s.source == "files") {
-      refuse({"image source.source", "image source.left"}, "source = files without left, must have left = a pattern, a glob or a video");
+      refuse({"image source.source", "image source.left"},
+             "source = files without left, must have left = a pattern, a glob or a video, or recording = a folder");
     } else if (!s.left.empty() && s.left == s.right) {
       refuse({"image source.left", "image source.right"},
              value("image source.right") + " is the same as left, must be the other camera's images; leave it out for one video with both");

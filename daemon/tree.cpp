@@ -124,10 +124,11 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
 
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
   if (stereo.cameras()) driver.add("camera/status", make_unique<CameraReport>(stereo), {}, Need::always);
-  const auto in = driver.add_set({std::begin(input_topics), std::end(input_topics)},
-                                 make_unique<Republish>(
-                                     inputs, [&stereo] { return stereo.odometry(); }, [&stereo] { return stereo.imu(); }),
-                                 {}, Need::always);
+  const auto in = driver.add_set(
+      {std::begin(input_topics), std::end(input_topics)},
+      make_unique<Republish>(
+          inputs, [&stereo] { return stereo.odometry(); }, [&stereo] { return stereo.imu(); }, [&stereo] { return stereo.recorded(); }),
+      {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
   const Trunk trunk{driver, machine, config, left, right, in};

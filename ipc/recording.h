@@ -36,7 +36,7 @@ struct RecordingInfo {
   std::string source;   ///< sim, files, aravis, ...
   std::string world;    ///< of the simulator; else empty
   uint64_t seed = 0;
-  uint64_t epoch = 0;      ///< start of the daemon that saw it
+  uint64_t epoch = 0;  ///< start of the daemon that saw it
   int width = 0, height = 0;
   bool synthetic = false;  ///< from the simulator or from files
 };

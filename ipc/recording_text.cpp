@@ -145,10 +145,9 @@ std::vector<RecordedPair> read_index(const std::string& file, std::string_view t
 }
 
 std::string info_text(const RecordingInfo& info) {
-  const nlohmann::ordered_json json{{"format", format},         {"version", version},     {"program", info.program},
-                                    {"source", info.source},    {"world", info.world},    {"seed", info.seed},
-                                    {"epoch", info.epoch},      {"width", info.width},    {"height", info.height},
-                                    {"synthetic", info.synthetic}};
+  const nlohmann::ordered_json json{
+      {"format", format},  {"version", version},  {"program", info.program}, {"source", info.source}, {"world", info.world},
+      {"seed", info.seed}, {"epoch", info.epoch}, {"width", info.width},     {"height", info.height}, {"synthetic", info.synthetic}};
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

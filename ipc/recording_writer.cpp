@@ -92,7 +92,8 @@ void RecordingWriter::append(int file, const char* name, const std::string& line
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const int error = written < 0 ? errno : ENOSPC;
-      if (known && ftruncate(file, status.st_size) != 0) {}  // then half a line stays, which is passed over
+      if (known && ftruncate(file, status.st_size) != 0) {
+      }  // then half a line stays, which is passed over
       throw write_error("cannot write", folder_ / name, error);
     }
     done += static_cast<size_t>(written);

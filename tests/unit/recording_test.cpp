@@ -143,7 +143,9 @@ TEST_F(RecordingTest, steps_read_back_to_the_last_bit_with_blind_ones_and_events
   ASSERT_EQ(recording.steps().size(), steps.size());
   EXPECT_EQ(recording.cut_off(), 0u);
   for (size_t i = 0; i < steps.size(); ++i) {
-    EXPECT_TRUE(same(recording.steps()[i], steps[i])) << i << "\n" << recording::step_line(recording.steps()[i], true) << recording::step_line(steps[i], true);
+    EXPECT_TRUE(same(recording.steps()[i], steps[i]))
+        << i << "\n"
+        << recording::step_line(recording.steps()[i], true) << recording::step_line(steps[i], true);
     const double a = recording.steps()[i].drive.record.speed, b = steps[i].drive.record.speed;
     EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
   }
@@ -179,7 +181,8 @@ TEST_F(RecordingTest, wherever_a_write_is_cut_off_the_whole_pairs_before_it_rema
   for (size_t length = head; length < index.size(); ++length) {
     std::ofstream(folder / "index.csv", std::ios::binary) << index.substr(0, length);
     const Recording recording(folder);
-    EXPECT_EQ(recording.pairs().size(), static_cast<size_t>(std::count(index.begin(), index.begin() + static_cast<long>(length), '\n')) - 1);
+    EXPECT_EQ(recording.pairs().size(),
+              static_cast<size_t>(std::count(index.begin(), index.begin() + static_cast<long>(length), '\n')) - 1);
     EXPECT_EQ(recording.steps().size(), recording.pairs().size());
     EXPECT_GT(recording.cut_off(), 0u);
   }
@@ -218,7 +221,8 @@ TEST_F(RecordingTest, what_is_broken_is_refused_in_one_line_that_says_what_would
   broken([&] { replace(index, "\n33333333,forward,left/33333333_forward.png", "\n33333333,forward,left/up.png"); },
          "line 3: the picture is called 'left/up.png', by time and label it must be left/33333333_forward.png");
   broken([&] { replace(index, "left/0_forward.png", "../../etc/passwd"); }, "it must be left/0_forward.png");
-  broken([&] { replace(index, "\n0,forward", "\n0,backward"); }, "line 2: label 'backward' is unknown, must be forward, left, right or none");
+  broken([&] { replace(index, "\n0,forward", "\n0,backward"); },
+         "line 2: label 'backward' is unknown, must be forward, left, right or none");
   broken([&] { replace(index, "\n33333333,", "\n-1,"); }, "must be a whole number from 0");
   broken([&] { replace(index, "0.25", "fast"); }, "speed = 'fast', must be a number");
   broken([&] { replace(index, "timestamp_ns,", "time,"); }, "line 1: found 'time,");
