@@ -31,6 +31,19 @@ class Check {
            value("Floor.anglefloorMin") + ", must be less than " + value("Floor.anglefloorMax"));
   }
 
+  void decide() {
+    if (config_.decide.leastSpeed > config_.decide.speed)
+      refuse({"decide.leastSpeed", "decide.speed"}, value("decide.leastSpeed") + ", must be at most " + value("decide.speed"));
+    if (config_.decide.near >= config_.decide.far)
+      refuse({"decide.near", "decide.far"}, value("decide.near") + ", must be less than " + value("decide.far"));
+  }
+
+  void snow() {
+    if (!config_.detects("snow") || !config_.snow.model.empty()) return;
+    refuse({"main.detectors", "snow.model"},
+           value("main.detectors") + " without [snow] model, must have what vdisp-train makes of recordings: model = a file");
+  }
+
   void cells(const char* side, double metres) {
     const double count = std::round(metres / config_.map.cell);
     if (count >= 1 && count <= most_cells) return;
@@ -47,10 +60,18 @@ class Check {
 
   void files() {
     const auto& s = config_.image_source;
-    if (s.left.empty() && !s.right.empty()) {
+    if (!s.recording.empty() && s.source == "files") {
+      if (!s.left.empty())
+        refuse({"image source.recording", "image source.left"},
+               value("image source.recording") + " and " + value("image source.left") + ", must be one of them");
+      if (!s.odometry.empty())
+        refuse({"image source.recording", "image source.odometry"},
+               value("image source.odometry") + " with a recording, must be left out: recording tells its own");
+    } else if (s.left.empty() && !s.right.empty()) {
       refuse({"image source.right", "image source.left"}, value("image source.right") + " without left, must have the left images too");
     } else if (s.left.empty() && s.source == "files") {
-      refuse({"image source.source", "image source.left"}, "source = files without left, must have left = a pattern, a glob or a video");
+      refuse({"image source.source", "image source.left"},
+             "source = files without left, must have left = a pattern, a glob or a video, or recording = a folder");
     } else if (!s.left.empty() && s.left == s.right) {
       refuse({"image source.left", "image source.right"},
              value("image source.right") + " is the same as left, must be the other camera's images; leave it out for one video with both");
@@ -118,6 +139,16 @@ class Check {
 
 }  // namespace
 
+bool Config::detects(std::string_view detector) const {
+  const std::string_view words = main.detectors;
+  for (size_t i = 0; i <= words.size();) {
+    const size_t comma = std::min(words.find(", ", i), words.size());
+    if (words.substr(i, comma - i) == detector) return true;
+    i = comma + 2;
+  }
+  return false;
+}
+
 std::vector<Contradiction> check(const Config& config) {
   Check check(config);
   check.name();
@@ -128,6 +159,8 @@ std::vector<Contradiction> check(const Config& config) {
   check.search();
   check.floor();
   check.angle();
+  check.snow();
+  check.decide();
   check.cells("Map.range", config.map.range);
   check.cells("Map.width", config.map.width);
   return std::move(check.found);

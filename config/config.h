@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdisp {
@@ -52,10 +53,15 @@ struct Config {
   map_section map;
   ipc_section ipc;
   memory_section memory;
+  census_section census;
+  snow_section snow;
+  decide_section decide;
   control_section control;
   drive_section drive;
   sim_section sim;
 
+  /// Whether the tree has this branch: vdisparity, snow.
+  bool detects(std::string_view detector) const;
   bool automatic_pitch() const { return std::isnan(limit.angRot); }
   /// Expected pitch of the camera: [mounting] pitch, else the number in angRot; NaN where neither says.
   double expected_pitch() const { return std::isnan(mounting.pitch) ? limit.angRot : mounting.pitch; }

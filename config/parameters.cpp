@@ -48,6 +48,19 @@ std::string one_of(const std::vector<std::string_view>& words) {
   return text;
 }
 
+/// A choice may be a list: blanks around its commas do not matter.
+bool same_list(std::string_view word, std::string_view text) {
+  const auto plain = [](std::string_view list) {
+    std::string kept;
+    for (size_t i = 0; i < list.size(); ++i) {
+      const bool beside_comma = (i > 0 && kept.ends_with(',')) || list.find_first_not_of(" \t", i) == list.find(',', i);
+      if (!(is_blank(list[i]) && beside_comma)) kept += list[i];
+    }
+    return kept;
+  };
+  return word == text || plain(word) == plain(text);
+}
+
 std::optional<bool> yes_or_no(std::string_view text) {
   std::string lower(text);
   std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
@@ -87,7 +100,10 @@ bool parse(const Parameter&, std::string_view text, bool& value) {
 bool parse(const Parameter& row, std::string_view text, std::string& value) {
   if (row.kind == Kind::choice) {
     const auto words = split(row.words);
-    if (std::find(words.begin(), words.end(), text) == words.end()) return false;
+    const auto found = std::find_if(words.begin(), words.end(), [&](std::string_view word) { return same_list(word, text); });
+    if (found == words.end()) return false;
+    value = *found;
+    return true;
   }
   if (text.size() > longest_text || std::any_of(text.begin(), text.end(), is_control)) return false;
   value = text;

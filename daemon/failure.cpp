@@ -8,6 +8,7 @@
 
 #include "daemon/control/inlet.h"
 #include "daemon/service/realtime.h"
+#include "daemon/snow/model.h"
 #include "daemon/sources/source.h"
 #include "ipc/png.h"
 #include "ipc/shm.h"
@@ -32,6 +33,8 @@ int explain(std::exception_ptr failure) {
   } catch (const ControlError& error) {
     return say(error.exit_code, error.what());
   } catch (const RealtimeError& error) {
+    return say(error.exit_code, error.what());
+  } catch (const snow::ModelError& error) {
     return say(error.exit_code, error.what());
   } catch (const WriteError& error) {
     return say(error.exit_code, error.what());

@@ -19,6 +19,7 @@
 #include "daemon/log/log.h"
 #include "daemon/options.h"
 #include "daemon/publish.h"
+#include "daemon/recorder.h"
 #include "daemon/service/realtime.h"
 #include "daemon/service/service.h"
 #include "daemon/tree.h"
@@ -39,7 +40,8 @@ class Run {
         edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
         inputs_(config_),
         machine_(config_.main.threads, options.cpu),
-        driver_(wall_clock_ns()) {
+        epoch_(wall_clock_ns()),
+        driver_(epoch_) {
     cv::setNumThreads(config_.main.threads);
     log::debug("kernels for {}, threads: {}", machine_.level, machine_.bands.threads());
     auto source = open_source(config_);
@@ -47,14 +49,16 @@ class Run {
     build_tree(driver_, std::move(source), machine_, config_, inputs_);
     if (!options.dot.empty()) write_graph(driver_, options.dot);
     if (!options.dump.empty()) dump_.emplace(options.dump);
-    shared_ = publish(driver_, config_, options.dump);
-    if (shared_) control_.emplace(config_, options.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
+    shared_ = publish(driver_, config_, dump_ ? options.dump : options.record);
+    if (shared_) control_.emplace(config_, options_.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
+    if (!options.record.empty()) record_ = start_record(options.record, driver_, config_, source_->calibration(), epoch_);
     if (dump_) driver_.need_all();
     service_.emplace(config_, [this] { return !shared_ || shared_->attachable(); });
     driver_.set_viewer([this](const Topic& topic, const Image& image) {
       edges_.see(topic, image);
       service_->see(topic, image);
       if (dump_) dump_->see(topic, image);
+      if (record_) record_->see(topic, image);
     });
     lock_memory(config_.main);
   }
@@ -68,6 +72,7 @@ class Run {
         driver_.beat();
         continue;
       }
+      if (const auto sequence = source_->next_sequence()) driver_.set_sequence(*sequence);
       const Outcome outcome = driver_.step();
       if (outcome == Outcome::end) {
         if (!source_->fault().empty()) log::warn("{}", source_->fault());
@@ -78,9 +83,14 @@ class Run {
       if (driver_.steps() == 1)
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
+      if (record_) record_->finish_step();
       if (options_.frames && driver_.steps() >= options_.frames) break;
       wait_for_next(
           due, stop_asked, [this] { return period_ns(); }, [this] { driver_.beat(), serve(); });
+    }
+    if (record_) {
+      record_->finish();
+      log::info("{} pairs recorded in {}", record_->pairs(), options_.record);
     }
   }
 
@@ -101,7 +111,7 @@ class Run {
   void serve() {
     service_->expect(period_ns());
     for (std::string line; source_->news(line);) log::info("{}", line);
-    if (!control_ || !control_->serve(driver_.steps())) return;
+    if (!control_ || !control_->serve(driver_.sequence())) return;
     driver_.set_config_generation(control_->generation());
     log::set_level(config_.main.debug);
   }
@@ -113,11 +123,13 @@ class Run {
   log::Edges edges_;
   Inputs inputs_;
   Machine machine_;
+  const uint64_t epoch_;
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
   std::unique_ptr<SharedMemory> shared_;
   std::optional<CommandSocket> control_;
   std::optional<Dump> dump_;
+  std::unique_ptr<Record> record_;
   std::optional<Service> service_;
 };
 

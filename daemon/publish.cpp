@@ -8,7 +8,7 @@
 
 namespace vdisp {
 
-std::unique_ptr<SharedMemory> publish(Driver& driver, const Config& config, const std::string& dump) {
+std::unique_ptr<SharedMemory> publish(Driver& driver, const Config& config, const std::string& files) {
   std::unique_ptr<SharedMemory> shared;
   if (config.main.middleware != "none") {
     TopicList topics;
@@ -18,8 +18,8 @@ std::unique_ptr<SharedMemory> publish(Driver& driver, const Config& config, cons
           std::make_unique<SharedMemory>(ShmOptions{config.main.name, config.ipc.group, static_cast<uint32_t>(config.ipc.memory)}, topics);
     } catch (const ShmError& error) {
       // A recording can be evaluated beside the daemon that serves the rover.
-      if (dump.empty() || error.exit_code != EX_UNAVAILABLE) throw;
-      log::warn("{}; this run only writes {}", error.what(), dump);
+      if (files.empty() || error.exit_code != EX_UNAVAILABLE) throw;
+      log::warn("{}; this run only writes {}", error.what(), files);
     }
   }
   driver.connect([&](const std::string& topic, const ImageSpec& spec) -> std::unique_ptr<Outlet> {

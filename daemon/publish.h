@@ -12,7 +12,7 @@
 namespace vdisp {
 
 /// Connects the driver. Null: nothing is published, by [main] middleware, or as another daemon owns the shared memory and this run writes a
-/// dump. Throws ShmError.
-std::unique_ptr<SharedMemory> publish(Driver& driver, const Config& config, const std::string& dump);
+/// dump or a recording to `files`. Throws ShmError.
+std::unique_ptr<SharedMemory> publish(Driver& driver, const Config& config, const std::string& files);
 
 }  // namespace vdisp

@@ -116,6 +116,7 @@ enum ImageFlag : uint32_t {
   flag_synthetic = 1,  ///< made from the simulator or from files, not from a camera
   flag_held = 2,       ///< predicted, not measured
   flag_memory = 4,     ///< holds what earlier frames saw
+  flag_replayed = 8,   ///< synthetic only because it was recorded: its times, of frames and of inputs, are those of one clock
 };
 
 struct ImageSpec {

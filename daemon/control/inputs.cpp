@@ -138,7 +138,7 @@ Refusal Inputs::take(const ImuMessage& message, uint64_t sender, int64_t now_ns)
 }
 
 Refusal Inputs::take(const DriveMessage& message, uint64_t sender, int64_t now_ns) {
-  Refusal refusal = sound(message);
+  Refusal refusal = recorded_orders_ ? Refusal::recorded : sound(message);
   if (refusal == Refusal::none) refusal = judge(drive_.input, message.timestamp_ns, sender, now_ns, true);
   if (settle(drive_.input, refusal, message.timestamp_ns) != Refusal::none) return refusal;
   drive_.newest.timestamp_ns = message.timestamp_ns;
@@ -149,7 +149,7 @@ Refusal Inputs::take(const DriveMessage& message, uint64_t sender, int64_t now_n
 
 /// Events may come from many, in any order.
 Refusal Inputs::take(const EventMessage& message, uint64_t sender, int64_t now_ns) {
-  Refusal refusal = sound(message);
+  Refusal refusal = recorded_orders_ ? Refusal::recorded : sound(message);
   if (refusal == Refusal::none) refusal = judge(events_.input, message.timestamp_ns, sender, now_ns, false);
   const int64_t newest_ns = std::max(events_.input.newest_ns, message.timestamp_ns);
   if (settle(events_.input, refusal, newest_ns) != Refusal::none) return refusal;

@@ -19,6 +19,8 @@ class Inputs {
   /// The source of the frames tells odometry or IMU itself: what comes by the socket is refused (Refusal::recorded).
   void refuse_odometry() { recorded_ = true; }
   void refuse_imu() { recorded_imu_ = true; }
+  /// A recording tells all: orders and events as well.
+  void refuse_all() { recorded_ = recorded_imu_ = recorded_orders_ = true; }
 
   Refusal take(const OdometryMessage& message, uint64_t sender, int64_t now_ns);
   Refusal take(const ImuMessage& message, uint64_t sender, int64_t now_ns);
@@ -56,7 +58,7 @@ class Inputs {
   bool write_age(Input& input, Image& image, Reason none, int64_t now_ns, double& age_s) const;
 
   const Config& config_;
-  bool recorded_ = false, recorded_imu_ = false;
+  bool recorded_ = false, recorded_imu_ = false, recorded_orders_ = false;
   Kept<Odometry> odometry_;
   Kept<Imu> imu_;
   Kept<DriveOrder> drive_;

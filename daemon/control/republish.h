@@ -6,6 +6,7 @@
 
 #include "daemon/control/inputs.h"
 #include "daemon/core/processor.h"
+#include "ipc/recorded_step.h"
 
 namespace vdisp {
 
@@ -18,8 +19,11 @@ class Republish final : public ImageProcessor {
   /// What the source knows of the pair at hand; null: this source tells none of it, the socket may.
   using RecordedOdometry = std::function<const Odometry*()>;
   using RecordedImu = std::function<const Imu*()>;
-  Republish(Inputs& inputs, RecordedOdometry odometry, RecordedImu imu)
-      : inputs_(inputs), odometry_(std::move(odometry)), imu_(std::move(imu)) {}
+  /// All that came in when the frame at hand was recorded; null: no recording tells it.
+  using RecordedInputs = std::function<const RecordedStep*()>;
+  Republish(
+      Inputs& inputs, RecordedOdometry odometry, RecordedImu imu, RecordedInputs recorded = [] { return nullptr; })
+      : inputs_(inputs), odometry_(std::move(odometry)), imu_(std::move(imu)), recorded_(std::move(recorded)) {}
 
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
@@ -28,6 +32,7 @@ class Republish final : public ImageProcessor {
   Inputs& inputs_;
   RecordedOdometry odometry_;
   RecordedImu imu_;
+  RecordedInputs recorded_;
 };
 
 }  // namespace vdisp

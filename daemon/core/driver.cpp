@@ -46,9 +46,6 @@ std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_
     if (stage.inputs.empty() && input.last >= 0)
       throw FormatError("stage '" + names.at(0) + "': its first input is the last '" + name_of(input) +
                         "', needed is one of this frame: it gives frame and time");
-    if (stage.inputs.empty() && input.even_blind)
-      throw FormatError("stage '" + names.at(0) + "': its first input '" + name_of(input) +
-                        "' may be blind; needed is one that may not: it gives frame and time");
     stage.inputs.push_back(input);
     in.push_back(spec_of(input));
   }
@@ -119,6 +116,15 @@ int Driver::find_delayed(const std::string& reader, Delayed& delayed) {
   return delayed.topic;
 }
 
+bool Driver::need(const std::string& topic) {
+  for (const Topic& known : topics_) {
+    if (known.name != topic) continue;
+    stages_[static_cast<size_t>(known.stage)].need = Need::always;
+    return true;
+  }
+  return false;
+}
+
 void Driver::need_all() { need_all_ = true; }
 
 std::vector<Topic> Driver::published_topics() const {
@@ -170,6 +176,7 @@ Outcome Driver::step() noexcept {
     if (delayed.image) delayed.image->end_step(outcome == Outcome::valid);
   }
   ++steps_;
+  ++sequence_;
   if (outcome == Outcome::invalid) ++blind_steps_;
   step_total_ns_ += monotonic_ns() - start;
   return outcome;
@@ -188,7 +195,7 @@ Outcome Driver::run(Stage& stage) noexcept {
     Image& image = slots_[topic].outlet->loan();
     Image::make(&image, topics_[topic].spec);
     if (!stage.in.empty()) image.describe_like(*stage.in[0]);
-    image.sequence = steps_;
+    image.sequence = sequence_;
     image.epoch = epoch_;
     image.config_generation = config_generation_;
     slots_[topic].image = stage.out[i] = &image;

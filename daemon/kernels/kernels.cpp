@@ -55,6 +55,9 @@ Kernels plain_kernels() {
       .debayer = plain::debayer,
       .census3x3 = plain::census3x3,
       .census5x5 = plain::census5x5,
+      .shrink = plain::shrink,
+      .match_hamming = plain::match_hamming,
+      .count_depth = plain::count_depth,
   };
 }
 
@@ -97,6 +100,9 @@ Kernels kernels(std::string_view level) {
     choose_rectify(table);
     choose_debayer(table);
     choose_census(table);
+    choose_shrink(table);
+    choose_hamming(table);
+    choose_depth_map(table);
     return table;
   }
   std::string names;

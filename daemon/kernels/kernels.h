@@ -9,6 +9,8 @@
 #include "daemon/kernels/block_match.h"
 #include "daemon/kernels/census.h"
 #include "daemon/kernels/debayer.h"
+#include "daemon/kernels/depth_map.h"
+#include "daemon/kernels/hamming.h"
 #include "daemon/kernels/height.h"
 #include "daemon/kernels/line_search.h"
 #include "daemon/kernels/map.h"
@@ -18,6 +20,7 @@
 #include "daemon/kernels/resolve.h"
 #include "daemon/kernels/semi_global.h"
 #include "daemon/kernels/shear.h"
+#include "daemon/kernels/shrink.h"
 #include "daemon/kernels/smooth.h"
 #include "daemon/kernels/speckle.h"
 #include "daemon/kernels/texture.h"
@@ -55,6 +58,9 @@ struct Kernels {
   Debayer* debayer;
   Census3x3* census3x3;
   Census5x5* census5x5;
+  Shrink* shrink;
+  MatchHamming* match_hamming;
+  CountDepth* count_depth;
 };
 
 /// Levels this machine can run, simplest first: `plain`, then for example `sse4`, `avx2`, `avx512`, `avx512dl`, or `neon`, `sve`.

@@ -35,5 +35,8 @@ void choose_paths_row(Kernels& table);
 void choose_rectify(Kernels& table);
 void choose_debayer(Kernels& table);
 void choose_census(Kernels& table);
+void choose_shrink(Kernels& table);
+void choose_hamming(Kernels& table);
+void choose_depth_map(Kernels& table);
 
 }  // namespace vdisp::kernels

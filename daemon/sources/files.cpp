@@ -13,6 +13,7 @@
 
 #include "daemon/sources/pair_readers.h"
 #include "daemon/sources/recorded_odometry.h"
+#include "daemon/sources/replay.h"
 
 namespace vdisp {
 namespace {
@@ -207,6 +208,9 @@ Outcome FilesSource::grab(std::span<Image* const> out) noexcept {
 
 }  // namespace
 
-std::unique_ptr<StereoSource> open_files(const Config& config) { return std::make_unique<FilesSource>(config); }
+std::unique_ptr<StereoSource> open_files(const Config& config) {
+  if (!config.image_source.recording.empty()) return open_replay(config);
+  return std::make_unique<FilesSource>(config);
+}
 
 }  // namespace vdisp

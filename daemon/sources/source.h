@@ -12,6 +12,7 @@
 #include "config/config.h"
 #include "daemon/core/driver.h"
 #include "daemon/geometry/calibration.h"
+#include "ipc/recorded_step.h"
 #include "ipc/records.h"
 
 namespace vdisp {
@@ -41,6 +42,10 @@ class StereoSource : public ImageSource {
   virtual const Odometry* odometry() const noexcept { return nullptr; }
   /// What its IMU told when the last pair was taken, likewise.
   virtual const Imu* imu() const noexcept { return nullptr; }
+  /// A recording that tells all that came in at the last step, times and blindness included: from open() on never null then.
+  virtual const RecordedStep* recorded() const noexcept { return nullptr; }
+  /// The number that the next frame had when it was recorded; empty: they are counted from 0.
+  virtual std::optional<uint64_t> next_sequence() const noexcept { return {}; }
   /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
   virtual void add_truth(Driver&, Handle) {}
 };

@@ -118,7 +118,9 @@ MemoryCause OdometryCheck::judge(const Image& frame, const Image& odometry, Memo
   }
   frame_ = o.frame;
   keep(o);
-  const bool of_frame = (odometry.flags & flag_synthetic) != 0, made = (frame.flags & flag_synthetic) != 0;
+  // What was recorded from cameras is as it was then: times of frames and of odometry are those of one clock.
+  constexpr uint32_t made_up = flag_synthetic | flag_replayed;
+  const bool of_frame = (odometry.flags & made_up) == flag_synthetic, made = (frame.flags & made_up) == flag_synthetic;
   const int64_t taken_ns = of_frame ? o.timestamp_ns : made ? o.timestamp_ns + static_cast<int64_t>(o.age_s * 1e9) : now_ns;
   memory.lag_s = seconds(taken_ns - o.timestamp_ns);
   if (memory.lag_s > config_.memory.maxLag) return MemoryCause::late;

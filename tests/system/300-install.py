@@ -72,6 +72,7 @@ class Install(unittest.TestCase):
     def test_programs_manuals_and_configuration_are_there(self):
         for name in ("bin/vdispd", "bin/vdisp-probe", "bin/vdisp-planner", "bin/vdisp-incremental-planner", "share/man/man1/vdispd.1",
                      "share/man/man1/vdisp-probe.1", "bin/vdisp-calibrate", "share/man/man1/vdisp-calibrate.1", "bin/vdisp-drive", "share/man/man1/vdisp-drive.1",
+                     "bin/vdisp-train", "share/man/man1/vdisp-train.1",
                      "share/man/man5/vdisp.cfg.5", "share/man/man1/vdisp-planner.1", "share/man/man1/vdisp-incremental-planner.1",
                      "etc/vdisp/vdisp.cfg", "lib/systemd/system/vdispd.service", "lib/udev/rules.d/60-vdisp.rules", "lib/sysusers.d/vdisp.conf",
                      "lib/tmpfiles.d/vdisp.conf", "share/bash-completion/completions/vdispd"):

@@ -351,7 +351,7 @@ TEST_F(ConfigFile, contradictions_are_refused_where_the_last_of_their_values_sta
   EXPECT_EQ(complaints("[Map]\nwidth=0.5\ncell=2\n"), "t.cfg:3: width = 0.5 m with cell = 2 m makes 0 cells, must be from 1 to 4096\n");
   EXPECT_EQ(complaints("[image source]\nright=/r.avi\n"), "t.cfg:2: right = /r.avi without left, must have the left images too\n");
   EXPECT_EQ(complaints("[image source]\nsource=files\n"),
-            "t.cfg:2: source = files without left, must have left = a pattern, a glob or a video\n");
+            "t.cfg:2: source = files without left, must have left = a pattern, a glob or a video, or recording = a folder\n");
   EXPECT_NE(complaints("[image source]\nsource=files\nleft=/a.avi\nright=/a.avi\n"), "");
   EXPECT_EQ(complaints("[image source]\nwidth=160\nndisp=128\nminDisparity=32\n"),
             "t.cfg:4: ndisp = 128 with minDisparity = 32 and corrsize = 11 needs 171 columns, must fit width = 160\n");

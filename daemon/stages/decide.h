@@ -1,0 +1,25 @@
+// decide.h: stage `decision`: forward, left or right, by one detector or both.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "daemon/core/processor.h"
+#include "daemon/stages/ways.h"
+
+namespace vdisp {
+
+/// What Ways takes to a Decision. With both detectors the way is free where both say so: an obstacle that one of them sees is one, and that
+/// one tells where to evade; where both see one, the map, which measures.
+/// Blind where an input is: nobody knows the way then, and the state stays what it was.
+class Decide final : public ImageProcessor {
+ public:
+  explicit Decide(const Config& config) : config_(config), ways_(config) {}
+  std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+
+ private:
+  const Config& config_;
+  Ways ways_;
+  SteeringMachine machine_;
+};
+
+}  // namespace vdisp
