@@ -1,0 +1,313 @@
+// drive_test.cpp: from what the detectors say to speed and turn rate: the state machine, the map's corridor, the cross-check, the command.
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/drive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daemon/stages/cross_check.h"
+#include "daemon/stages/decide.h"
+#include "tests/support/count_allocations.h"
+#include "tests/support/picture.h"
+
+namespace vdisp {
+namespace {
+
+constexpr int64_t ms = 1'000'000;
+constexpr Way free_way{true, true, 1}, left_of_it{false, true, 0}, right_of_it{false, false, 0};
+
+TEST(SteeringMachine, turns_where_the_detector_says_and_holds_it_until_the_way_is_free) {
+  SteeringMachine machine;
+  int64_t now = 0;
+  const auto step = [&](const Way& way) { return machine.step(way, now += 100 * ms, 0); };
+  EXPECT_EQ(step(free_way), Steering::forward);
+  EXPECT_EQ(step(right_of_it), Steering::turn_right);
+  EXPECT_EQ(step(left_of_it), Steering::turn_right) << "the direction is held";
+  EXPECT_EQ(step(left_of_it), Steering::turn_right);
+  EXPECT_NEAR(machine.since_s(), 0.2, 1e-9);
+  EXPECT_EQ(step(free_way), Steering::forward);
+  EXPECT_EQ(step(left_of_it), Steering::turn_left);
+  EXPECT_EQ(machine.changes(), 3u);
+}
+
+TEST(SteeringMachine, begins_with_what_it_sees_first) {
+  SteeringMachine machine;
+  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1), Steering::turn_left);
+  EXPECT_EQ(machine.since_s(), 0) << "not since the clock began";
+}
+
+TEST(SteeringMachine, a_turn_soon_after_another_goes_the_same_way) {
+  SteeringMachine machine;
+  machine.step(right_of_it, 0, 1);
+  machine.step(free_way, 1000 * ms, 1);
+  EXPECT_EQ(machine.step(left_of_it, 1900 * ms, 1), Steering::turn_right);
+  machine.step(free_way, 2000 * ms, 1);
+  EXPECT_EQ(machine.step(left_of_it, 3000 * ms, 1), Steering::turn_left) << "a second is over";
+}
+
+TEST(SteeringMachine, time_may_begin_anew) {
+  SteeringMachine machine;
+  machine.step(right_of_it, 9000 * ms, 1);
+  machine.step(free_way, 9100 * ms, 1);
+  machine.step(free_way, 0, 1);
+  EXPECT_EQ(machine.since_s(), 0);
+  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1), Steering::turn_left);
+}
+
+/// A map of 5 x 5.1 m ahead of the rover: from 0.4 m on in view, and free.
+struct MapDriverTest : testing::Test {
+  static constexpr int rows = 50, columns = 51;
+  Config config;
+  Picture grid{Pixel::int8, columns, rows}, reason{Pixel::gray8, columns, rows};
+
+  MapDriverTest() {
+    config.decide.width = 0.4;
+    config.decide.margin = 0.1;
+    config.decide.near = 1;
+    config.decide.far = 3;
+    for (Picture* picture : {&grid, &reason}) picture->image().grid = {0.1f, rows, columns / 2.f, -1, 1, 3, 0, 0, 0, 0};
+    reason.fill<uint8_t>([](int row, int) { return static_cast<uint8_t>(row < rows - 4 ? CellReason::floor : CellReason::out_of_view); });
+    grid.fill<int8_t>([](int row, int) { return static_cast<int8_t>(row < rows - 4 ? 0 : -1); });
+  }
+  /// The cell whose middle is `ahead` and `left` in m.
+  void put(double ahead, double left, int value, CellReason why) {
+    const int row = rows - 1 - static_cast<int>(ahead / 0.1), column = static_cast<int>(std::floor(-left / 0.1 + columns / 2.0));
+    grid.at<int8_t>(row, column) = static_cast<int8_t>(value);
+    reason.at<uint8_t>(row, column) = static_cast<uint8_t>(why);
+  }
+  void obstacle(double ahead, double left) { put(ahead, left, 90, CellReason::obstacle); }
+  MapWay look() {
+    MapDriver driver(config);
+    driver.prepare(grid.spec());
+    return driver.look(grid.image(), &reason.image());
+  }
+};
+
+TEST_F(MapDriverTest, bare_ground_is_free_and_clear) {
+  const MapWay way = look();
+  EXPECT_TRUE(way.free);
+  EXPECT_EQ(way.clearness, 1);
+  EXPECT_EQ(way.corridor_m, 3);
+}
+
+TEST_F(MapDriverTest, the_nearest_obstacle_in_the_corridor_ends_it) {
+  obstacle(2.55, 0);
+  obstacle(2.05, 0.25);
+  obstacle(1.55, 0.4);  // beside it: 0.2 + 0.1 m
+  const MapWay way = look();
+  EXPECT_NEAR(way.corridor_m, 2.05, 1e-6);
+  EXPECT_TRUE(way.free);
+  EXPECT_NEAR(way.clearness, 1.05 / 2, 1e-6);
+  config.decide.margin = 0.25;
+  EXPECT_NEAR(look().corridor_m, 1.55, 1e-6);
+  config.decide.margin = 0;
+  EXPECT_NEAR(look().corridor_m, 2.55, 1e-6);
+}
+
+TEST_F(MapDriverTest, what_is_nearer_than_near_is_turned_from_to_the_freer_side) {
+  obstacle(0.95, 0.1);
+  EXPECT_FALSE(look().free);
+  EXPECT_EQ(look().clearness, 0);
+  EXPECT_FALSE(look().left) << "it stands more to the left";
+  for (double right = 0; right < 1.2; right += 0.1) obstacle(0.95, -right - 0.05);
+  EXPECT_TRUE(look().left);
+}
+
+TEST_F(MapDriverTest, unknown_ground_near_the_rover_is_not_free) {
+  for (double ahead = 0.45; ahead < 1; ahead += 0.1)
+    for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, -1, CellReason::no_texture);
+  EXPECT_FALSE(look().free);
+  // Far ones, few ones, and those that the camera does not look at, say nothing.
+  for (const CellReason why : {CellReason::out_of_view, CellReason::too_near}) {
+    for (double ahead = 0.45; ahead < 0.8; ahead += 0.1)
+      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, -1, why);
+    for (double ahead = 0.85; ahead < 1.2; ahead += 0.1)
+      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, 0, CellReason::floor);
+    put(0.95, 0.05, -1, CellReason::no_texture);
+    EXPECT_TRUE(look().free) << name(why);
+  }
+}
+
+TEST_F(MapDriverTest, with_no_ground_in_sight_nothing_is_free) {
+  grid.fill<int8_t>([](int, int) { return int8_t{-1}; });
+  reason.fill<uint8_t>([](int, int) { return static_cast<uint8_t>(CellReason::out_of_view); });
+  EXPECT_FALSE(look().free);
+}
+
+TEST_F(MapDriverTest, the_grid_may_lie_otherwise_than_the_rover) {
+  obstacle(2.05, 0);
+  // The grid's origin 0.5 m before the rover's.
+  grid.image().grid.pose_x = 0.5f;
+  EXPECT_NEAR(look().corridor_m, 2.55, 1e-6);
+  // The grid is turned to the left by a right angle: what is ahead in it stands to the rover's left.
+  grid.image().grid.pose_x = 0;
+  grid.image().grid.pose_yaw = static_cast<float>(M_PI / 2);
+  EXPECT_EQ(look().corridor_m, 3);
+  grid.image().grid.pose_yaw = 0;
+  grid.image().grid.pose_y = 1;
+  EXPECT_EQ(look().corridor_m, 3);
+}
+
+TEST_F(MapDriverTest, the_papers_counts_are_obstacles_from_min_count_on) {
+  Picture counts(Pixel::count16, columns, rows);
+  counts.image().grid = grid.image().grid;
+  counts.at<int16_t>(rows - 1 - 8, columns / 2) = 2;
+  MapDriver driver(config);
+  driver.prepare(counts.spec());
+  EXPECT_TRUE(driver.look(counts.image(), nullptr).free);
+  counts.at<int16_t>(rows - 1 - 8, columns / 2) = 3;
+  EXPECT_NEAR(driver.look(counts.image(), nullptr).corridor_m, 0.85, 1e-6);
+}
+
+/// Decision, cross-check and command of both detectors' images.
+struct DriveTest : MapDriverTest {
+  Picture scores{record_spec<SnowScores>()}, order{record_spec<DriveOrder>()}, decision{record_spec<Decision>()},
+      check{record_spec<CrossCheck>()}, command{record_spec<DriveCommand>()};
+  Decide decide{config};
+  CompareWays compare{config};
+  Drive drive{config};
+  int64_t now = 0;
+
+  DriveTest() {
+    config.decide.hold = 0;
+    order.image().set_blind(Reason::no_drive);
+    make_record<DriveOrder>(order.image());
+    decide.check(std::vector{grid.spec(), reason.spec(), scores.spec()});
+    compare.check(std::vector{grid.spec(), reason.spec(), scores.spec()});
+    drive.check(std::vector{decision.spec(), order.spec(), check.spec()});
+    say(1, 1);
+  }
+  void say(double free, double left) {
+    SnowScores& s = make_record<SnowScores>(scores.image());
+    s.free_difference = free;
+    s.left_difference = left;
+  }
+  const DriveCommand& step(bool sees = true) {
+    now += 100 * ms;
+    for (Picture* picture : {&grid, &reason, &scores, &decision, &check, &command}) picture->image().timestamp_ns = now;
+    const Image* const in[] = {&grid.image(), &reason.image(), &scores.image()};
+    for (Picture* picture : {&decision, &check, &command}) picture->image().state = ImageState::valid;
+    Image *const decided[] = {&decision.image()}, *const checked[] = {&check.image()}, *const driven[] = {&command.image()};
+    if (sees) {
+      EXPECT_EQ(decide.process(in, decided), Outcome::valid);
+      EXPECT_EQ(compare.process(in, checked), Outcome::valid);
+    } else {
+      decision.image().set_blind(Reason::too_dark);
+      check.image().set_blind(Reason::too_dark);
+    }
+    const Image* const orders[] = {&decision.image(), &order.image(), &check.image()};
+    if (drive.process(orders, driven) == Outcome::invalid) command.image().set_blind(command.image().reason);
+    return *command.image().row<DriveCommand>(0);
+  }
+  const Decision& decided() { return *record_of<Decision>(decision.image()); }
+  const CrossCheck& checked() { return *record_of<CrossCheck>(check.image()); }
+};
+
+TEST_F(DriveTest, fast_where_nothing_is_near_and_slow_where_something_is) {
+  EXPECT_DOUBLE_EQ(step().speed, config.decide.speed);
+  obstacle(2.05, 0);
+  const double part = 1.05 / 2;
+  EXPECT_NEAR(step().speed, config.decide.leastSpeed + part * (config.decide.speed - config.decide.leastSpeed), 1e-6);
+  say(0.25 * config.snow.clear, 1);
+  EXPECT_NEAR(step().speed, config.decide.leastSpeed + 0.25 * (config.decide.speed - config.decide.leastSpeed), 1e-6)
+      << "the less clear of both";
+  EXPECT_EQ(step().turn_rate, 0);
+}
+
+TEST_F(DriveTest, an_obstacle_that_one_detector_sees_is_one_and_that_one_says_where_to_evade) {
+  say(-0.1, -1);
+  EXPECT_LT(step().turn_rate, 0);
+  EXPECT_EQ(command.image().row<DriveCommand>(0)->speed, 0);
+  EXPECT_EQ(decided().steering, Steering::turn_right);
+  EXPECT_EQ(decided().decider, Decider::snow);
+  say(1, -1);
+  step();
+  EXPECT_EQ(decided().steering, Steering::forward);
+  EXPECT_EQ(decided().decider, Decider::vdisparity);
+  for (double left = 0; left > -1; left -= 0.1) obstacle(0.95, left - 0.05);
+  EXPECT_GT(step().turn_rate, 0);
+  EXPECT_EQ(decided().decider, Decider::vdisparity) << "the classifier would turn right";
+}
+
+TEST_F(DriveTest, sensitivity_moves_the_border_of_both_classifiers) {
+  say(-0.1, -0.1);
+  SnowScores& s = *scores.image().row<SnowScores>(0);
+  s.obstacle_sensitivity = 0.2;
+  step();
+  EXPECT_EQ(decided().steering, Steering::forward);
+  s.obstacle_sensitivity = 0;
+  s.direction_sensitivity = 0.2;
+  step();
+  EXPECT_EQ(decided().steering, Steering::turn_left);
+}
+
+TEST_F(DriveTest, agreement_is_counted_and_disagreement_slows_until_half_a_second_after) {
+  EXPECT_EQ(step().slowed, 0u);
+  say(-1, 1);
+  const DriveCommand& turning = step();
+  EXPECT_EQ(turning.slowed, 1u);
+  EXPECT_DOUBLE_EQ(turning.turn_rate, config.decide.turnRate / 2);
+  step();
+  EXPECT_EQ(checked().agree, 0u);
+  EXPECT_EQ(checked().map_free, 1u);
+  EXPECT_EQ(checked().snow_free, 0u);
+  EXPECT_NEAR(checked().disagreeing_s, 0.1, 1e-9);
+  say(1, 1);
+  for (int i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(step().speed, config.decide.leastSpeed) << i;
+  EXPECT_EQ(step().slowed, 0u);
+  EXPECT_DOUBLE_EQ(step().speed, config.decide.speed);
+  obstacle(0.95, 0);
+  step();
+  say(-1, 1);
+  step();
+  EXPECT_EQ(checked().agree, 1u) << "both see it";
+  EXPECT_EQ(checked().disagreeing_s, 0);
+  EXPECT_EQ(checked().only_map_free, 2u);
+  EXPECT_EQ(checked().only_snow_free, 1u);
+  EXPECT_EQ(checked().agreed, 8u);
+  EXPECT_NEAR(checked().corridor_m, 0.95, 1e-6);
+}
+
+TEST_F(DriveTest, the_operator_wins_while_the_order_is_young_also_where_nobody_sees) {
+  order.image().state = ImageState::valid;
+  DriveOrder& said = *order.image().row<DriveOrder>(0);
+  said.speed = -0.3;
+  said.turn_rate = 0.7;
+  said.age_s = 0.299;
+  for (const bool sees : {true, false}) {
+    const DriveCommand& told = step(sees);
+    EXPECT_TRUE(command.image().valid());
+    EXPECT_EQ(told.speed, -0.3);
+    EXPECT_EQ(told.turn_rate, 0.7);
+    EXPECT_EQ(told.decider, Decider::operator_order);
+  }
+  said.age_s = 0.301;
+  EXPECT_EQ(step().decider, Decider::vdisparity);
+  EXPECT_DOUBLE_EQ(command.image().row<DriveCommand>(0)->speed, config.decide.speed);
+  step(false);
+  EXPECT_FALSE(command.image().valid());
+  EXPECT_EQ(command.image().reason, Reason::too_dark);
+}
+
+TEST_F(DriveTest, takes_nothing_from_the_heap) {
+  obstacle(0.95, 0);
+  step();
+  const uint64_t before = allocations_of_this_thread();
+  for (int i = 0; i < 20; ++i) step(i % 3 > 0);
+  EXPECT_EQ(allocations_of_this_thread(), before);
+}
+
+TEST(Decide, refuses_what_is_no_detector) {
+  const Config config;
+  const ImageSpec grid{Pixel::int8, 0, 5, 5}, reason{Pixel::gray8, 0, 5, 5}, other{Pixel::gray8, 0, 6, 5};
+  for (const std::vector<ImageSpec>& wrong : {std::vector<ImageSpec>{}, {grid}, {grid, other}, {record_spec<Decision>()}, {grid, reason, reason}}) {
+    Decide decide(config);
+    EXPECT_THROW(decide.check(wrong), FormatError) << wrong.size();
+  }
+  CompareWays compare(config);
+  EXPECT_THROW(compare.check(std::vector{grid, reason}), FormatError) << "one detector agrees with nobody";
+}
+
+}  // namespace
+}  // namespace vdisp
