@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-NAMES = {"rectify", "matcher48", "matcher64", "matcher48_aligned", "speckle", "tree48", "backend", "census", "sgm64"}
+NAMES = {"rectify", "matcher48", "matcher64", "matcher48_aligned", "speckle", "tree48", "backend", "census", "snow", "sgm64"}
 MAY_BE_SKIPPED = set()
 MEMBERS = {"name": str, "threads": int, "ours_ms": float, "peer_ms": float, "ratio": float}
 

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/contests.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include "config/parameters.h"
 #include "daemon/stages/disparity.h"
+#include "daemon/stages/features.h"
 #include "daemon/stages/floor.h"
 #include "daemon/stages/limit.h"
 #include "daemon/stages/map.h"
@@ -129,6 +133,45 @@ Contest census(const Frames& frames, const OurSide& side) {
   return contest;
 }
 
+/// A model with even weights for this configuration, mapped by the tree while it is built. What weights say takes no time.
+class EvenModel {
+ public:
+  EvenModel(const Config& config, const ImageSpec& view) : path_(std::filesystem::temp_directory_path() / ("bench-" + std::to_string(getpid()) + ".snow")) {
+    const std::vector<float> weights(snow::vector_length, 1.0f);
+    snow::ModelParts parts;
+    parts.settings = front_end(config, view);
+    parts.free = parts.obstacles = parts.left = parts.right = weights;
+    snow::write_model(path_, parts);
+  }
+  ~EvenModel() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  EvenModel(const EvenModel&) = delete;
+  EvenModel& operator=(const EvenModel&) = delete;
+  std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Two raw images to the drive command by the second detector alone: rectification, census, matching, depth map, features, classifiers.
+Contest second_detector(const Frames& frames, const OurSide& side) {
+  Contest contest{"snow", {0, 0, 1.0, 0.7}, {}, {}, {}};
+  contest.ours = [&frames, side](int threads) {
+    const Sets own{"main.detectors=snow", "census.scale=1", "snow.model=even"};
+    Setup setup = ours(threads, side, own);
+    const EvenModel model(setup.config, frames.spec());
+    setup.config.snow.model = model.path();
+    return work_of(std::make_shared<PreparedTree>(std::move(setup), frames.raw, raw_names, frames.calibration,
+                                                  [](Driver& driver, Source source, Machine& machine, const Config& c, Inputs& inputs) {
+                                                    build_tree(driver, std::move(source), machine, c, inputs);
+                                                  }),
+                   "drive");
+  };
+  return contest;
+}
+
 /// Two raw images to the map. The peer is followed by our back end, the paper's: so is ours, unless `more` tells another floor.
 Contest tree(const std::string& name, const Frames& frames, int ndisp, const OurSide& side, const Sets& more, Asked asked) {
   Sets own = as_peer(ndisp);
@@ -199,6 +242,7 @@ std::vector<Contest> contests(const Images& images, const OurSide& side) {
       tree("tree48", images.vga, 48, side, upright, {4, 5}),
       back_end(images.vga, side),
       census(images.quarter, side),
+      second_detector(images.quarter, side),
       semi_global("sgm64", images.vga, 64, side, {4, 6}),
       tree("tree48_aligned", images.vga, 48, side, aligned, {}),
       tree("tree48_profile", images.vga, 48, side, {"image source.align=floor", "Floor.model=profile"}, {}),

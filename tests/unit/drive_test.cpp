@@ -1,297 +1,317 @@
-// drive_test.cpp: the parts of vdisp-drive: phrases, the arithmetic of wheels, limits, replies, and which orders count.
+// drive_test.cpp: from what the detectors say to speed and turn rate: the state machine, the map's corridor, the cross-check, the command.
 // SPDX-License-Identifier: Apache-2.0
+#include "daemon/stages/drive.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
-#include <memory>
-#include <numbers>
 
-#include "daemon/tools/drive/orders.h"
-#include "daemon/tools/drive/phrase.h"
-#include "daemon/tools/drive/replies.h"
-#include "daemon/tools/drive/settings.h"
-#include "daemon/tools/drive/wheels.h"
+#include "daemon/stages/cross_check.h"
+#include "daemon/stages/decide.h"
+#include "tests/support/count_allocations.h"
+#include "tests/support/picture.h"
 
-namespace vdisp::drive {
+namespace vdisp {
 namespace {
 
-std::string said(const std::string& text, const Motion& motion = {}) {
-  char bytes[64];
-  return std::string(bytes, Phrase(text).fill(motion, bytes));
-}
-
-std::string complaint(const std::string& text) {
-  try {
-    Phrase phrase(text);
-  } catch (const PhraseError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-TEST(Phrase, fields_are_filled_with_as_many_decimals_as_asked) {
-  const Motion motion{-123.6, 45.4, 0.25, -1.5};
-  EXPECT_EQ(said("!M {left} {right}\\r", motion), "!M -124 45\r");
-  EXPECT_EQ(said("{speed},{turn}", motion), "0.250,-1.500");
-  EXPECT_EQ(said("{left:.2};{speed:.0};{turn:.1}", motion), "-123.60;0;-1.5");
-}
-
-TEST(Phrase, zero_has_no_sign) {
-  EXPECT_EQ(said("{left} {right:.1}", {-0.3, -0.04, 0, 0}), "0 0.0");
-  EXPECT_EQ(said("{left:.1} {right:.1}", {-0.3, -0.06, 0, 0}), "-0.3 -0.1");
-  EXPECT_EQ(said("{speed}", {0, 0, -0.0, 0}), "0.000");
-}
-
-TEST(Phrase, escapes_and_braces_are_bytes) {
-  EXPECT_EQ(said("a\\r\\n\\t\\\\\\x7e{{}}"), "a\r\n\t\\~{}");
-  EXPECT_EQ(said(std::string("\\x00\\xfF")), std::string("\0\xff", 2));
-}
-
-TEST(Phrase, what_is_wrong_is_said_with_what_would_be_right) {
-  EXPECT_NE(complaint("{lft}").find("no field {lft}, must be {left}, {right}, {speed} or {turn}"), std::string::npos);
-  EXPECT_NE(complaint("{}").find("no field {}"), std::string::npos);
-  EXPECT_NE(complaint("{left").find("is missing"), std::string::npos);
-  EXPECT_NE(complaint("left}").find("}}"), std::string::npos);
-  EXPECT_NE(complaint("{left:2}").find("{left:.2}"), std::string::npos);
-  EXPECT_NE(complaint("{left:.7}").find("0 to 6"), std::string::npos);
-  for (const char* bad : {"\\q", "\\", "\\x1", "\\xg0", "\\x"}) EXPECT_NE(complaint(bad).find("no escape"), std::string::npos) << bad;
-  EXPECT_EQ(complaint("no fields at all"), "");
-}
-
-TEST(Phrase, what_does_not_fit_is_not_said_in_part) {
-  char small[8];
-  EXPECT_EQ(Phrase("{left} {right}").fill({100, 100, 0, 0}, small), 7u);
-  EXPECT_EQ(Phrase("{left} {right}").fill({1000, 1000, 0, 0}, small), 0u);
-  EXPECT_EQ(Phrase("longer than that").fill({}, small), 0u);
-}
-
-TEST(Phrase, bytes_are_shown_as_people_read_them) {
-  EXPECT_EQ(escaped(std::string("!M 0\\\r\n\x1b\xff\0", 10)), "!M 0\\\\\\r\\n\\x1b\\xff\\x00");
-}
-
-TEST(Wheels, a_turn_to_the_left_makes_the_right_wheel_faster) {
-  const Wheels wheels = wheels_for(0.5, 1, 0.4);
-  EXPECT_DOUBLE_EQ(wheels.left, 0.3);
-  EXPECT_DOUBLE_EQ(wheels.right, 0.7);
-  EXPECT_DOUBLE_EQ(speed_of(wheels), 0.5);
-  EXPECT_DOUBLE_EQ(turn_rate_of(wheels, 0.4), 1);
-}
-
-TEST(Wheels, driven_in_small_steps_they_make_the_circle_that_was_ordered) {
-  const double speed = 0.5, turn = 0.8, base = 0.35, dt = 1e-4;
-  const Wheels wheels = wheels_for(speed, turn, base);
-  double x = 0, y = 0, yaw = 0;
-  for (double t = 0; t < std::numbers::pi / turn; t += dt) {  // half a turn: across the circle, speed / turn to the left of the start
-    x += (wheels.left + wheels.right) / 2 * std::cos(yaw) * dt;
-    y += (wheels.left + wheels.right) / 2 * std::sin(yaw) * dt;
-    yaw += (wheels.right - wheels.left) / base * dt;
-  }
-  EXPECT_NEAR(x, 0, 1e-3);
-  EXPECT_NEAR(y, 2 * speed / turn, 1e-3);
-}
-
-TEST(Wheels, the_limit_keeps_the_curve) {
-  const Wheels ordered = wheels_for(2, 3, 0.4), wheels = limited(ordered, 0.8);
-  EXPECT_DOUBLE_EQ(std::max(wheels.left, wheels.right), 0.8);
-  EXPECT_NEAR(turn_rate_of(wheels, 0.4) / speed_of(wheels), 3.0 / 2, 1e-12);
-  EXPECT_EQ(limited({-0.8, 0.8}, 0.8), (Wheels{-0.8, 0.8}));
-  EXPECT_DOUBLE_EQ(limited({-4, 2}, 1).left, -1);
-  EXPECT_DOUBLE_EQ(limited({-4, 2}, 1).right, 0.5);
-}
-
-TEST(Ramp, speeds_up_and_slows_down_by_its_limits) {
-  Ramp ramp(0.5, 2);
-  for (int i = 1; i <= 20; ++i) EXPECT_NEAR(ramp.step({0.5, 0.5}, 0.05).left, std::min(0.5, i * 0.025), 1e-12) << i;
-  for (int i = 1; i <= 3; ++i) EXPECT_NEAR(ramp.step({0.1, 0.1}, 0.05).right, std::max(0.1, 0.5 - i * 0.1), 1e-12) << i;
-  ramp.stand();
-  EXPECT_EQ(ramp.now(), Wheels{});
-}
-
-TEST(Ramp, wheels_arrive_together) {
-  Ramp ramp(1, 1);
-  for (int i = 0; i < 9; ++i) {
-    const Wheels now = ramp.step({0.5, 1}, 0.1);
-    EXPECT_NEAR(now.left / now.right, 0.5, 1e-12);
-    EXPECT_NEAR(now.right, (i + 1) * 0.1, 1e-12);
-  }
-  EXPECT_EQ(ramp.step({0.5, 1}, 0.11), (Wheels{0.5, 1}));
-}
-
-TEST(Ramp, through_zero_a_wheel_is_slowed_first_and_then_sped_up) {
-  Ramp ramp(1, 4);
-  ramp.step({0.2, 0.2}, 1);
-  // 0.2 m/s take 0.05 s to stand, the other 0.05 s make 0.05 m/s backwards.
-  EXPECT_NEAR(ramp.step({-1, -1}, 0.1).left, -0.05, 1e-12);
-  EXPECT_NEAR(ramp.step({-1, -1}, 0.1).left, -0.15, 1e-12);
-}
-
-TEST(Ramp, no_step_is_larger_than_the_limits_whatever_is_ordered) {
-  Ramp ramp(0.7, 1.9);
-  uint32_t seed = 1;
-  const auto chance = [&] { return static_cast<double>((seed = seed * 1664525 + 1013904223) >> 8) / (1 << 23) - 1; };
-  for (int i = 0; i < 10000; ++i) {
-    const Wheels before = ramp.now(), after = ramp.step({chance(), chance()}, 0.05);
-    for (const auto& [a, b] : {std::pair{before.left, after.left}, std::pair{before.right, after.right}}) {
-      const double slowed = std::max(0.0, std::abs(a) - (a * b > 0 ? std::abs(b) : 0)), sped = std::abs(b) - (a * b > 0 ? std::abs(a) : 0);
-      EXPECT_LE(slowed / 1.9 + std::max(0.0, sped) / 0.7, 0.05 + 1e-9);
-    }
-  }
-}
-
 constexpr int64_t ms = 1'000'000;
+constexpr Way free_way{true, true, 1}, left_of_it{false, true, 0}, right_of_it{false, false, 0};
 
-TEST(Replies, three_right_lines_are_believed_and_silence_is_not) {
-  Replies replies("\\+|OK [0-9]+", 300 * ms);
-  replies.forget(0);
-  EXPECT_EQ(replies.judge(0), Hearing::silent);
-  replies.take("+\r", 10 * ms);
-  replies.take("\r\nOK 1", 20 * ms);
-  EXPECT_EQ(replies.judge(20 * ms), Hearing::silent);
-  replies.take("2\n+\r", 30 * ms);
-  EXPECT_EQ(replies.judge(30 * ms), Hearing::good);
-  EXPECT_EQ(replies.judge(330 * ms), Hearing::good);
-  EXPECT_EQ(replies.judge(331 * ms), Hearing::silent);
-  replies.take("+\r", 340 * ms);
-  EXPECT_EQ(replies.judge(340 * ms), Hearing::silent);
-  replies.take("+\r+\r", 350 * ms);
-  EXPECT_EQ(replies.judge(350 * ms), Hearing::good);
-  EXPECT_EQ(replies.right_lines(), 6u);
+TEST(SteeringMachine, turns_where_the_detector_says_and_holds_it_until_the_way_is_free) {
+  SteeringMachine machine;
+  int64_t now = 0;
+  const auto step = [&](const Way& way) { return machine.step(way, now += 100 * ms, 0); };
+  EXPECT_EQ(step(free_way), Steering::forward);
+  EXPECT_EQ(step(right_of_it), Steering::turn_right);
+  EXPECT_EQ(step(left_of_it), Steering::turn_right) << "the direction is held";
+  EXPECT_EQ(step(left_of_it), Steering::turn_right);
+  EXPECT_NEAR(machine.since_s(), 0.2, 1e-9);
+  EXPECT_EQ(step(free_way), Steering::forward);
+  EXPECT_EQ(step(left_of_it), Steering::turn_left);
+  EXPECT_EQ(machine.changes(), 3u);
 }
 
-TEST(Replies, three_wrong_lines_in_a_row_are_rubbish_one_is_noise) {
-  Replies replies("\\+", 300 * ms);
-  replies.forget(0);
-  replies.take("+\r+\r+\r", 0);
-  EXPECT_EQ(replies.judge(0), Hearing::good);
-  replies.take("?\r?\r", 1);
-  EXPECT_EQ(replies.judge(1), Hearing::good);
-  replies.take("+\r-\r-\r", 2);
-  EXPECT_EQ(replies.judge(2), Hearing::good);
-  replies.take("-!\r", 3);
-  EXPECT_EQ(replies.judge(3), Hearing::rubbish);
-  EXPECT_EQ(replies.wrong(), "-!");
-  EXPECT_EQ(replies.wrong_lines(), 5u);
-  replies.take("+\r+\r+\r", 4);
-  EXPECT_EQ(replies.judge(4), Hearing::good);
+TEST(SteeringMachine, begins_with_what_it_sees_first) {
+  SteeringMachine machine;
+  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1), Steering::turn_left);
+  EXPECT_EQ(machine.since_s(), 0) << "not since the clock began";
 }
 
-TEST(Replies, the_pattern_is_of_the_whole_line) {
-  Replies replies("a|b", 300 * ms);
-  replies.take("ab\rxa\rbx\ra\rb\r", 0);
-  EXPECT_EQ(replies.right_lines(), 2u);
-  EXPECT_EQ(replies.wrong_lines(), 3u);
+TEST(SteeringMachine, a_turn_soon_after_another_goes_the_same_way) {
+  SteeringMachine machine;
+  machine.step(right_of_it, 0, 1);
+  machine.step(free_way, 1000 * ms, 1);
+  EXPECT_EQ(machine.step(left_of_it, 1900 * ms, 1), Steering::turn_right);
+  machine.step(free_way, 2000 * ms, 1);
+  EXPECT_EQ(machine.step(left_of_it, 3000 * ms, 1), Steering::turn_left) << "a second is over";
 }
 
-TEST(Replies, rubbish_without_line_ends_is_noticed_and_not_kept) {
-  Replies replies("\\+", 300 * ms);
-  replies.forget(0);
-  replies.take("+\r+\r+\r", 0);
-  replies.take(std::string(1000, '\0'), 1);
-  EXPECT_EQ(replies.judge(1), Hearing::rubbish);
-  EXPECT_EQ(replies.wrong_lines(), 7u);
-  EXPECT_LT(replies.wrong().size(), 200u);
+TEST(SteeringMachine, time_may_begin_anew) {
+  SteeringMachine machine;
+  machine.step(right_of_it, 9000 * ms, 1);
+  machine.step(free_way, 9100 * ms, 1);
+  machine.step(free_way, 0, 1);
+  EXPECT_EQ(machine.since_s(), 0);
+  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1), Steering::turn_left);
 }
 
-TEST(Replies, without_a_pattern_nothing_is_expected) {
-  Replies replies("", 300 * ms);
-  replies.take("rubbish\rrubbish\rrubbish\r", 0);
-  EXPECT_EQ(replies.judge(1'000'000 * ms), Hearing::not_asked);
-  EXPECT_EQ(replies.wrong_lines(), 0u);
-}
+/// A map of 5 x 5.1 m ahead of the rover: from 0.4 m on in view, and free.
+struct MapDriverTest : testing::Test {
+  static constexpr int rows = 50, columns = 51;
+  Config config;
+  Picture grid{Pixel::int8, columns, rows}, reason{Pixel::gray8, columns, rows};
 
-TEST(Replies, a_bad_pattern_is_refused) { EXPECT_THROW(Replies("(", 0), std::invalid_argument); }
-
-/// A drive order as it lies in shared memory.
-struct Given {
-  Given()
-      : memory(new (std::align_val_t(64)) std::byte[record_spec<DriveCommand>().bytes()]),
-        image(*Image::make(memory, record_spec<DriveCommand>())) {
-    DriveCommand& command = make_record<DriveCommand>(image);
-    command.speed = 0.4;
-    command.turn_rate = -0.2;
+  MapDriverTest() {
+    config.decide.width = 0.4;
+    config.decide.margin = 0.1;
+    config.decide.near = 1;
+    config.decide.far = 3;
+    for (Picture* picture : {&grid, &reason}) picture->image().grid = {0.1f, rows, columns / 2.f, -1, 1, 3, 0, 0, 0, 0};
+    reason.fill<uint8_t>([](int row, int) { return static_cast<uint8_t>(row < rows - 4 ? CellReason::floor : CellReason::out_of_view); });
+    grid.fill<int8_t>([](int row, int) { return static_cast<int8_t>(row < rows - 4 ? 0 : -1); });
   }
-  ~Given() { operator delete[](memory, std::align_val_t(64)); }
-  Order judged(double age_s = 0.01, bool synthetic_allowed = false, Trust trust = Trust::fresh) {
-    return judge(vdisp::Reading{&image, trust, image.reason, age_s}, 0.3, synthetic_allowed);
+  /// The cell whose middle is `ahead` and `left` in m.
+  void put(double ahead, double left, int value, CellReason why) {
+    const int row = rows - 1 - static_cast<int>(ahead / 0.1), column = static_cast<int>(std::floor(-left / 0.1 + columns / 2.0));
+    grid.at<int8_t>(row, column) = static_cast<int8_t>(value);
+    reason.at<uint8_t>(row, column) = static_cast<uint8_t>(why);
   }
-  std::byte* memory;
-  Image& image;
+  void obstacle(double ahead, double left) { put(ahead, left, 90, CellReason::obstacle); }
+  MapWay look() {
+    MapDriver driver(config);
+    driver.prepare(grid.spec());
+    return driver.look(grid.image(), &reason.image());
+  }
 };
 
-TEST(Orders, a_fresh_one_is_driven_by) {
-  Given given;
-  const Order order = given.judged();
-  EXPECT_EQ(order.halt, Halt::none);
-  EXPECT_EQ(order.speed, 0.4);
-  EXPECT_EQ(order.turn_rate, -0.2);
+TEST_F(MapDriverTest, bare_ground_is_free_and_clear) {
+  const MapWay way = look();
+  EXPECT_TRUE(way.free);
+  EXPECT_EQ(way.clearness, 1);
+  EXPECT_EQ(way.corridor_m, 3);
 }
 
-TEST(Orders, each_reason_not_to_drive_is_told_and_leaves_no_speed) {
-  const auto halted = [](const Order& order, Halt why) { return order.halt == why && order.speed == 0 && order.turn_rate == 0; };
-  Given given;
-  EXPECT_TRUE(halted(given.judged(0.301), Halt::stale));
-  EXPECT_TRUE(halted(given.judged(0.01, false, Trust::dead), Halt::dead));
-  EXPECT_TRUE(halted(judge({}, 0.3, true), Halt::dead));
-  EXPECT_TRUE(halted(judge(vdisp::Reading{nullptr, Trust::stale, Reason::none, 0}, 0.3, true), Halt::stale));
-  EXPECT_TRUE(halted(given.judged(-0.5), Halt::nonsense));
-  given.image.set_blind(Reason::too_dark);
-  EXPECT_TRUE(halted(given.judged(), Halt::blind));
-  EXPECT_EQ(given.judged().reason, Reason::too_dark);
+TEST_F(MapDriverTest, the_nearest_obstacle_in_the_corridor_ends_it) {
+  obstacle(2.55, 0);
+  obstacle(2.05, 0.25);
+  obstacle(1.55, 0.4);  // beside it: 0.2 + 0.1 m
+  const MapWay way = look();
+  EXPECT_NEAR(way.corridor_m, 2.05, 1e-6);
+  EXPECT_TRUE(way.free);
+  EXPECT_NEAR(way.clearness, 1.05 / 2, 1e-6);
+  config.decide.margin = 0.25;
+  EXPECT_NEAR(look().corridor_m, 1.55, 1e-6);
+  config.decide.margin = 0;
+  EXPECT_NEAR(look().corridor_m, 2.55, 1e-6);
 }
 
-TEST(Orders, the_timeout_is_the_configurations_not_the_librarys) {
-  Given given;
-  EXPECT_EQ(given.judged(0.29, false, Trust::stale).halt, Halt::none);
-  EXPECT_EQ(judge(vdisp::Reading{&given.image, Trust::fresh, Reason::none, 0.2}, 0.1, false).halt, Halt::stale);
+TEST_F(MapDriverTest, what_is_nearer_than_near_is_turned_from_to_the_freer_side) {
+  obstacle(0.95, 0.1);
+  EXPECT_FALSE(look().free);
+  EXPECT_EQ(look().clearness, 0);
+  EXPECT_FALSE(look().left) << "it stands more to the left";
+  for (double right = 0; right < 1.2; right += 0.1) obstacle(0.95, -right - 0.05);
+  EXPECT_TRUE(look().left);
 }
 
-TEST(Orders, synthetic_ones_are_refused_unless_allowed) {
-  Given given;
-  given.image.flags = flag_synthetic | flag_held;
-  EXPECT_EQ(given.judged().halt, Halt::synthetic);
-  EXPECT_EQ(given.judged(0.01, true).halt, Halt::none);
-}
-
-TEST(Orders, what_is_no_number_or_no_order_is_refused) {
-  Given given;
-  DriveCommand& command = *given.image.row<DriveCommand>(0);
-  for (double bad :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
-    command.speed = bad;
-    EXPECT_EQ(given.judged().halt, Halt::nonsense);
-    command.speed = 0;
-    command.turn_rate = bad;
-    EXPECT_EQ(given.judged().halt, Halt::nonsense);
-    command.turn_rate = 0;
+TEST_F(MapDriverTest, unknown_ground_near_the_rover_is_not_free) {
+  for (double ahead = 0.45; ahead < 1; ahead += 0.1)
+    for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, -1, CellReason::no_texture);
+  EXPECT_FALSE(look().free);
+  // Far ones, few ones, and those that the camera does not look at, say nothing.
+  for (const CellReason why : {CellReason::out_of_view, CellReason::too_near}) {
+    for (double ahead = 0.45; ahead < 0.8; ahead += 0.1)
+      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, -1, why);
+    for (double ahead = 0.85; ahead < 1.2; ahead += 0.1)
+      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, 0, CellReason::floor);
+    put(0.95, 0.05, -1, CellReason::no_texture);
+    EXPECT_TRUE(look().free) << name(why);
   }
-  command.header.version = 99;
-  EXPECT_EQ(given.judged().halt, Halt::nonsense);
 }
 
-TEST(Settings, wheels_become_the_controllers_units_and_directions) {
-  Settings settings;
-  settings.from.wheelScale = 100;
-  settings.from.wheelBase = 0.5;
-  settings.from.reverse = "left";
-  const Motion motion = settings.motion({0.2, 0.4});
-  EXPECT_DOUBLE_EQ(motion.left, -20);
-  EXPECT_DOUBLE_EQ(motion.right, 40);
-  EXPECT_DOUBLE_EQ(motion.speed, 0.3);
-  EXPECT_DOUBLE_EQ(motion.turn, 0.4);
-  settings.from.reverse = "both";
-  EXPECT_DOUBLE_EQ(settings.motion({0.2, 0.4}).right, -40);
+TEST_F(MapDriverTest, with_no_ground_in_sight_nothing_is_free) {
+  grid.fill<int8_t>([](int, int) { return int8_t{-1}; });
+  reason.fill<uint8_t>([](int, int) { return static_cast<uint8_t>(CellReason::out_of_view); });
+  EXPECT_FALSE(look().free);
 }
 
-TEST(Settings, the_defaults_need_nothing_but_a_port) {
-  std::vector<std::string> complaints;
-  const Settings settings = read_settings(Config{}, "/dev/ttyS0", complaints);
-  EXPECT_TRUE(complaints.empty());
-  EXPECT_EQ(settings.period_ns, 50 * ms);
-  read_settings(Config{}, "", complaints);
-  ASSERT_EQ(complaints.size(), 1u);
-  EXPECT_NE(complaints[0].find("[drive] port"), std::string::npos);
+TEST_F(MapDriverTest, the_grid_may_lie_otherwise_than_the_rover) {
+  reason.fill<uint8_t>([](int, int) { return static_cast<uint8_t>(CellReason::floor); });
+  grid.fill<int8_t>([](int, int) { return int8_t{0}; });
+  obstacle(2.05, 0);
+  obstacle(0.15, -2.4);
+  // The grid's origin 0.5 m before the rover's.
+  grid.image().grid.pose_x = 0.5f;
+  EXPECT_NEAR(look().corridor_m, 2.55, 1e-6);
+  // The grid is turned to the left by a right angle: what is ahead in it stands to the rover's left, what is to its right is ahead.
+  grid.image().grid.pose_x = 0;
+  grid.image().grid.pose_yaw = static_cast<float>(M_PI / 2);
+  EXPECT_NEAR(look().corridor_m, 2.4, 1e-6);
+  grid.image().grid.pose_yaw = 0;
+  grid.image().grid.pose_y = 1;
+  EXPECT_EQ(look().corridor_m, 3);
+}
+
+TEST_F(MapDriverTest, the_papers_counts_are_obstacles_from_min_count_on) {
+  Picture counts(Pixel::count16, columns, rows);
+  counts.image().grid = grid.image().grid;
+  counts.at<int16_t>(rows - 1 - 8, columns / 2) = 2;
+  MapDriver driver(config);
+  driver.prepare(counts.spec());
+  EXPECT_TRUE(driver.look(counts.image(), nullptr).free);
+  counts.at<int16_t>(rows - 1 - 8, columns / 2) = 3;
+  EXPECT_NEAR(driver.look(counts.image(), nullptr).corridor_m, 0.85, 1e-6);
+}
+
+/// Decision, cross-check and command of both detectors' images.
+struct DriveTest : MapDriverTest {
+  Picture scores{record_spec<SnowScores>()}, order{record_spec<DriveOrder>()}, decision{record_spec<Decision>()},
+      check{record_spec<CrossCheck>()}, command{record_spec<DriveCommand>()};
+  Decide decide{config};
+  CompareWays compare{config};
+  Drive drive{config};
+  int64_t now = 0;
+
+  DriveTest() {
+    config.decide.hold = 0;
+    order.image().set_blind(Reason::no_drive);
+    make_record<DriveOrder>(order.image());
+    decide.check(std::vector{grid.spec(), reason.spec(), scores.spec()});
+    compare.check(std::vector{grid.spec(), reason.spec(), scores.spec()});
+    drive.check(std::vector{decision.spec(), order.spec(), check.spec()});
+    say(1, 1);
+  }
+  void say(double free, double left) {
+    SnowScores& s = make_record<SnowScores>(scores.image());
+    s.free_difference = free;
+    s.left_difference = left;
+  }
+  const DriveCommand& step(bool sees = true) {
+    now += 100 * ms;
+    for (Picture* picture : {&grid, &reason, &scores, &decision, &check, &command}) picture->image().timestamp_ns = now;
+    const Image* const in[] = {&grid.image(), &reason.image(), &scores.image()};
+    for (Picture* picture : {&decision, &check, &command}) picture->image().state = ImageState::valid;
+    Image *const decided[] = {&decision.image()}, *const checked[] = {&check.image()}, *const driven[] = {&command.image()};
+    if (sees) {
+      EXPECT_EQ(decide.process(in, decided), Outcome::valid);
+      EXPECT_EQ(compare.process(in, checked), Outcome::valid);
+    } else {
+      decision.image().set_blind(Reason::too_dark);
+      check.image().set_blind(Reason::too_dark);
+    }
+    const Image* const orders[] = {&decision.image(), &order.image(), &check.image()};
+    if (drive.process(orders, driven) == Outcome::invalid) command.image().set_blind(command.image().reason);
+    return *command.image().row<DriveCommand>(0);
+  }
+  const Decision& decided() { return *record_of<Decision>(decision.image()); }
+  const CrossCheck& checked() { return *record_of<CrossCheck>(check.image()); }
+};
+
+TEST_F(DriveTest, fast_where_nothing_is_near_and_slow_where_something_is) {
+  EXPECT_DOUBLE_EQ(step().speed, config.decide.speed);
+  obstacle(2.05, 0);
+  const double part = 1.05 / 2;
+  EXPECT_NEAR(step().speed, config.decide.leastSpeed + part * (config.decide.speed - config.decide.leastSpeed), 1e-6);
+  say(0.25 * config.snow.clear, 1);
+  EXPECT_NEAR(step().speed, config.decide.leastSpeed + 0.25 * (config.decide.speed - config.decide.leastSpeed), 1e-6)
+      << "the less clear of both";
+  EXPECT_EQ(step().turn_rate, 0);
+}
+
+TEST_F(DriveTest, an_obstacle_that_one_detector_sees_is_one_and_that_one_says_where_to_evade) {
+  say(-0.1, -1);
+  EXPECT_LT(step().turn_rate, 0);
+  EXPECT_EQ(command.image().row<DriveCommand>(0)->speed, 0);
+  EXPECT_EQ(decided().steering, Steering::turn_right);
+  EXPECT_EQ(decided().decider, Decider::snow);
+  say(1, -1);
+  step();
+  EXPECT_EQ(decided().steering, Steering::forward);
+  EXPECT_EQ(decided().decider, Decider::vdisparity);
+  for (double left = 0; left > -1; left -= 0.1) obstacle(0.95, left - 0.05);
+  EXPECT_GT(step().turn_rate, 0);
+  EXPECT_EQ(decided().decider, Decider::vdisparity) << "the classifier would turn right";
+}
+
+TEST_F(DriveTest, sensitivity_moves_the_border_of_both_classifiers) {
+  say(-0.1, -0.1);
+  SnowScores& s = *scores.image().row<SnowScores>(0);
+  s.obstacle_sensitivity = 0.2;
+  step();
+  EXPECT_EQ(decided().steering, Steering::forward);
+  s.obstacle_sensitivity = 0;
+  s.direction_sensitivity = 0.2;
+  step();
+  EXPECT_EQ(decided().steering, Steering::turn_left);
+}
+
+TEST_F(DriveTest, agreement_is_counted_and_disagreement_slows_until_half_a_second_after) {
+  EXPECT_EQ(step().slowed, 0u);
+  say(-1, 1);
+  const DriveCommand& turning = step();
+  EXPECT_EQ(turning.slowed, 1u);
+  EXPECT_DOUBLE_EQ(turning.turn_rate, config.decide.turnRate / 2);
+  step();
+  EXPECT_EQ(checked().agree, 0u);
+  EXPECT_EQ(checked().map_free, 1u);
+  EXPECT_EQ(checked().snow_free, 0u);
+  EXPECT_NEAR(checked().disagreeing_s, 0.1, 1e-9);
+  say(1, 1);
+  for (int i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(step().speed, config.decide.leastSpeed) << i;
+  EXPECT_EQ(step().slowed, 0u);
+  EXPECT_DOUBLE_EQ(step().speed, config.decide.speed);
+  obstacle(0.95, 0);
+  step();
+  say(-1, 1);
+  step();
+  EXPECT_EQ(checked().agree, 1u) << "both see it";
+  EXPECT_EQ(checked().disagreeing_s, 0);
+  EXPECT_EQ(checked().only_map_free, 2u);
+  EXPECT_EQ(checked().only_snow_free, 1u);
+  EXPECT_EQ(checked().agreed, 8u);
+  EXPECT_NEAR(checked().corridor_m, 0.95, 1e-6);
+}
+
+TEST_F(DriveTest, the_operator_wins_while_the_order_is_young_also_where_nobody_sees) {
+  order.image().state = ImageState::valid;
+  DriveOrder& said = *order.image().row<DriveOrder>(0);
+  said.speed = -0.3;
+  said.turn_rate = 0.7;
+  said.age_s = 0.299;
+  for (const bool sees : {true, false}) {
+    const DriveCommand& told = step(sees);
+    EXPECT_TRUE(command.image().valid());
+    EXPECT_EQ(told.speed, -0.3);
+    EXPECT_EQ(told.turn_rate, 0.7);
+    EXPECT_EQ(told.decider, Decider::operator_order);
+  }
+  said.age_s = 0.301;
+  EXPECT_EQ(step().decider, Decider::vdisparity);
+  EXPECT_DOUBLE_EQ(command.image().row<DriveCommand>(0)->speed, config.decide.speed);
+  step(false);
+  EXPECT_FALSE(command.image().valid());
+  EXPECT_EQ(command.image().reason, Reason::too_dark);
+}
+
+TEST_F(DriveTest, takes_nothing_from_the_heap) {
+  obstacle(0.95, 0);
+  step();
+  const uint64_t before = allocations_of_this_thread();
+  for (int i = 0; i < 20; ++i) step(i % 3 > 0);
+  EXPECT_EQ(allocations_of_this_thread(), before);
+}
+
+TEST(Decide, refuses_what_is_no_detector) {
+  const Config config;
+  const ImageSpec grid{Pixel::int8, 0, 5, 5}, reason{Pixel::gray8, 0, 5, 5}, other{Pixel::gray8, 0, 6, 5};
+  for (const std::vector<ImageSpec>& wrong :
+       {std::vector<ImageSpec>{}, {grid}, {grid, other}, {record_spec<Decision>()}, {grid, reason, reason}}) {
+    Decide decide(config);
+    EXPECT_THROW(decide.check(wrong), FormatError) << wrong.size();
+  }
+  CompareWays compare(config);
+  EXPECT_THROW(compare.check(std::vector{grid, reason}), FormatError) << "one detector agrees with nobody";
 }
 
 }  // namespace
-}  // namespace vdisp::drive
+}  // namespace vdisp
