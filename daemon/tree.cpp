@@ -44,12 +44,14 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
   const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
 
+  driver.set_result(disparity);
+
   const bool line = config.floor.model == "line";
   if (floors && line) {
     const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
     const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
     const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
-    driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
+    driver.set_result(driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always));
 
     // For the eye: run only while somebody looks, and after the map.
     driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
@@ -65,7 +67,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
                                        {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
     driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
-    driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
+    driver.set_result(driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always));
 
     const auto memory = driver.add("memory", make_unique<OdometryCheck>(config),
                                    {ground[0], even_blind(in[0]), driver.last("tracks", record_spec<Tracks>())}, Need::always);

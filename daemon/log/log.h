@@ -4,6 +4,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdint>
+
 namespace vdisp::log {
 
 /// Starts the thread. `level`: [main] debug, 0 errors to 3 everything. Under systemd lines carry journald's priorities.
@@ -11,6 +13,8 @@ namespace vdisp::log {
 void start(int level);
 /// From here on; any thread, no wait.
 void set_level(int level);
+/// Lines given up since the start while the ring was full.
+uint64_t lines_lost();
 /// Writes what is waiting and ends the thread. Before start() and after this nothing is logged.
 void stop();
 
