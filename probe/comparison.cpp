@@ -33,7 +33,8 @@ class Folder {
   Folder() {
     std::error_code error;
     std::string name = (fs::temp_directory_path(error) / "vdisp-compare-XXXXXX").string();
-    if (error || !mkdtemp(name.data())) throw ProbeError(73, "no folder for the frames in $TMPDIR or /tmp: " + std::string(std::strerror(errno)));
+    if (error || !mkdtemp(name.data()))
+      throw ProbeError(73, "no folder for the frames in $TMPDIR or /tmp: " + std::string(std::strerror(errno)));
     path_ = name;
   }
   ~Folder() {
@@ -59,7 +60,8 @@ bool of_the_daemon(const std::string& key) {
 
 std::string quoted(const std::string& value) {
   std::string text = "\"";
-  for (const char letter : value) text += letter == '"' || letter == '\\' || letter == '$' ? std::string("\\") + letter : std::string(1, letter);
+  for (const char letter : value)
+    text += letter == '"' || letter == '\\' || letter == '$' ? std::string("\\") + letter : std::string(1, letter);
   return text + "\"";
 }
 
@@ -77,8 +79,8 @@ bool write_calibration(const fs::path& file, const Image& left) {
   if (!(camera.f > 0)) return false;
   const auto number = [](float value) { return format("%.9g", static_cast<double>(value)); };
   const auto matrix = [&](const char* name, float cx, float tx) {
-    return std::string(name) + ": !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ " + number(camera.f) + ", 0., " + number(cx) +
-           ", " + number(tx) + ", 0., " + number(camera.f) + ", " + number(camera.cy) + ", 0., 0., 0., 1., 0. ]\n";
+    return std::string(name) + ": !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ " + number(camera.f) + ", 0., " +
+           number(cx) + ", " + number(tx) + ", 0., " + number(camera.f) + ", " + number(camera.cy) + ", 0., 0., 0., 1., 0. ]\n";
   };
   write_file(file, format("%%YAML:1.0\n---\nimage_width: %d\nimage_height: %d\n", left.spec.width, left.spec.height) +
                        matrix("P1", camera.cx, 0) + matrix("P2", camera.cx - camera.cx_offset, -camera.f * camera.baseline));
@@ -155,8 +157,8 @@ std::string daemon_program() {
 }
 
 void run_daemon(const fs::path& folder, const std::string& dump, uint64_t frames, const std::vector<std::string>& sets) {
-  std::vector<std::string> words{daemon_program(), "-c", (folder / "vdisp.cfg").string(), "--frames", std::to_string(frames), "--dump",
-                                 (folder / dump).string(), "--images"};
+  std::vector<std::string> words{daemon_program(),       "-c",     (folder / "vdisp.cfg").string(), "--frames",
+                                 std::to_string(frames), "--dump", (folder / dump).string(),        "--images"};
   for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -192,8 +194,9 @@ std::vector<std::string> known_sets(Control& control, const Options& options, st
     ParameterInfo info;
     require_done(control, options, [&] { return control.get(set.substr(0, equals), info); });
     if (of_the_daemon(info.key))
-      throw ProbeError(64, info.key + " cannot be compared on a frame that was taken already: what makes the rectified pair, and the daemon "
-                                      "itself, are as they are");
+      throw ProbeError(64, info.key +
+                               " cannot be compared on a frame that was taken already: what makes the rectified pair, and the daemon "
+                               "itself, are as they are");
     sets.push_back(info.key + set.substr(equals));
     changes.push_back(info.key + ": " + info.value + " -> " + set.substr(equals + 1));
   }
@@ -237,7 +240,8 @@ Comparison compare_frames(const Options& options) {
   if (nice(10) < 0) errno = 0;  // the daemon that serves goes first
   run_daemon(folder.path(), "new", options.frames, sets);
   run_daemon(folder.path(), "old", options.frames, {});
-  const fs::path before = folder.path() / "old" / frame_name(options.frames - 1), after = folder.path() / "new" / frame_name(options.frames - 1);
+  const fs::path before = folder.path() / "old" / frame_name(options.frames - 1),
+                 after = folder.path() / "new" / frame_name(options.frames - 1);
   std::vector<std::string> topics;
   for (const fs::directory_entry& file : fs::recursive_directory_iterator(before))
     if (file.path().extension() == ".image") topics.push_back(file.path().lexically_relative(before).replace_extension().string());

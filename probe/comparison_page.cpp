@@ -20,7 +20,8 @@ void draw_image(Picture& page, Box room, const std::string& topic, const Image& 
     int y = room.y + 8;
     for (const std::string& record_line : record_text(image)) {
       if (y + line > room.y + room.height) break;
-      page.text(room.x + 8, y, record_line.substr(0, static_cast<size_t>(std::max(room.width - 16, 0)) / Picture::letter_width), colours::text);
+      page.text(room.x + 8, y, record_line.substr(0, static_cast<size_t>(std::max(room.width - 16, 0)) / Picture::letter_width),
+                colours::text);
       y += line;
     }
     return;
@@ -53,7 +54,8 @@ std::string difference_words(const ComparedStage& stage) {
   }
   if (stage.before.image().spec.pixel == Pixel::record) return stage.differing ? "differs" : "the same";
   return format("%llu of %llu px differ (%.1f %%)", static_cast<unsigned long long>(stage.differing),
-                static_cast<unsigned long long>(stage.pixels), 100.0 * static_cast<double>(stage.differing) / static_cast<double>(stage.pixels));
+                static_cast<unsigned long long>(stage.pixels),
+                100.0 * static_cast<double>(stage.differing) / static_cast<double>(stage.pixels));
 }
 
 std::vector<const ComparedStage*> chosen_stages(const Comparison& comparison, const std::vector<std::string>& wanted) {

@@ -79,15 +79,17 @@ Json health_json(const Health& health) {
 
 std::string health_words(const Health& health) {
   std::string text = "map after " + latency_words(health.latency);
-  if (health.deadline_ns > 0)
-    text += format("; deadline %.1f ms, missed %llu times", ms(health.deadline_ns), wide(health.deadline_misses));
+  if (health.deadline_ns > 0) text += format("; deadline %.1f ms, missed %llu times", ms(health.deadline_ns), wide(health.deadline_misses));
   text += "\n";
-  if (health.blind_frames > 0) text += format("blind %llu of %llu frames: ", wide(health.blind_frames), wide(health.frames)) + blind_words(health) + "\n";
-  if (health.drops > 0) text += format("dropped %llu of %llu images, %llu maps\n", wide(health.drops), wide(health.loans), wide(health.map_drops));
+  if (health.blind_frames > 0)
+    text += format("blind %llu of %llu frames: ", wide(health.blind_frames), wide(health.frames)) + blind_words(health) + "\n";
+  if (health.drops > 0)
+    text += format("dropped %llu of %llu images, %llu maps\n", wide(health.drops), wide(health.loans), wide(health.map_drops));
   if (const CameraStatus& camera = health.camera; health.cameras) {
-    text += format("pairs %llu, %llu given up for newer ones; frames incomplete %llu + %llu, unpaired %llu + %llu, refused %llu + %llu\n",
-                   wide(camera.pairs), wide(camera.skipped), wide(camera.view[0].incomplete), wide(camera.view[1].incomplete),
-                   wide(camera.view[0].unpaired), wide(camera.view[1].unpaired), wide(camera.view[0].refused), wide(camera.view[1].refused));
+    text +=
+        format("pairs %llu, %llu given up for newer ones; frames incomplete %llu + %llu, unpaired %llu + %llu, refused %llu + %llu\n",
+               wide(camera.pairs), wide(camera.skipped), wide(camera.view[0].incomplete), wide(camera.view[1].incomplete),
+               wide(camera.view[0].unpaired), wide(camera.view[1].unpaired), wide(camera.view[0].refused), wide(camera.view[1].refused));
   }
   for (int kind = 0; kind < 4; ++kind)
     if (health.inputs_refused[kind] > 0)

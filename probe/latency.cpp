@@ -125,7 +125,8 @@ std::string words(const Measured& measured, bool reader) {
     text += format("  mean %.2f ms", ms(measured.latency.sum_ns) / static_cast<double>(measured.latency.count));
   text += "\n";
   if (reader) {
-    text += format("missed %llu, blind %llu\n", static_cast<unsigned long long>(measured.missed), static_cast<unsigned long long>(measured.blind));
+    text += format("missed %llu, blind %llu\n", static_cast<unsigned long long>(measured.missed),
+                   static_cast<unsigned long long>(measured.blind));
   } else if (measured.deadline_ns > 0) {
     text += format("deadline %.1f ms, missed %llu times\n", ms(measured.deadline_ns), static_cast<unsigned long long>(measured.missed));
   }
@@ -138,7 +139,8 @@ std::string json(const Measured& measured, bool reader) {
   all.update(latency_json(measured.latency));
   all["blind"] = measured.blind;
   all["missed"] = measured.missed;
-  if (!reader) all["deadline_ms"] = measured.deadline_ns > 0 ? nlohmann::ordered_json(ms(measured.deadline_ns)) : nlohmann::ordered_json(nullptr);
+  if (!reader)
+    all["deadline_ms"] = measured.deadline_ns > 0 ? nlohmann::ordered_json(ms(measured.deadline_ns)) : nlohmann::ordered_json(nullptr);
   all["histogram"] = nlohmann::ordered_json::array();
   for (uint32_t i = 0; i < LatencyHistogram::buckets; ++i)
     if (measured.latency.counts[i] > 0)

@@ -48,10 +48,10 @@ void LiveParameters::set(const Request& request, Result& result) {
   if (!complaint.empty()) return refuse(Answer::refused, complaint);
   if (row->when == When::restart)
     return refuse(Answer::needs_restart, row->name() + " needs a restart: write it into vdisp.cfg and start vdispd again");
-  config_ = std::move(changed);
   const bool joined = request.message.joined && !steps_.empty() && steps_.back().connection == request.sender.connection &&
                       steps_.back().before.front().first == row;
   if (!joined || slide_.row != row) tell_slide();
+  config_ = std::move(changed);
   if (!joined) {
     keep({{{row, before}}, request.sender.connection});
     tell_change(*row, before, by_socket(request.sender));

@@ -22,7 +22,8 @@ Reload merge(const Config& before, const Config& now, Config& running, Precedenc
   }
   const std::vector<Contradiction> contradictions = check(merged);
   if (!contradictions.empty()) {
-    reload.fault = "with what " + std::string(reload.restart.empty() ? "was set by hand" : "needs a restart") + " as it is: " + contradictions[0].text;
+    reload.fault =
+        "with what " + std::string(reload.restart.empty() ? "was set by hand" : "needs a restart") + " as it is: " + contradictions[0].text;
     return reload;
   }
   running = std::move(merged);

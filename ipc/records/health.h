@@ -80,7 +80,7 @@ struct Health {
   uint32_t cameras;               ///< 1: the counts of `camera` are of cameras; 0: there are none
   uint64_t deadline_misses;       ///< maps that came later
   CameraStatus camera;            ///< lost frames, pairs given up; no header
-  uint64_t inputs_accepted[4], inputs_refused[4];  ///< odometry, IMU, drive orders, events
+  uint64_t inputs_accepted[4], inputs_refused[4];                      ///< odometry, IMU, drive orders, events
   uint64_t connections_refused, connections_closed, requests_refused;  ///< control socket: full; rubbish or deaf; too many at a time
   uint64_t config_generation, reloads, reloads_refused;                ///< changes; vdisp.cfg read again, and not taken for a fault
   uint64_t log_lines_lost;                                             ///< given up while stderr took none

@@ -15,7 +15,8 @@ namespace {
 constexpr int page_width = 1400;
 
 std::string json(const Comparison& comparison) {
-  nlohmann::ordered_json all{{"changes", comparison.changes}, {"frames", {comparison.first, comparison.last}}, {"stages", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json all{
+      {"changes", comparison.changes}, {"frames", {comparison.first, comparison.last}}, {"stages", nlohmann::ordered_json::array()}};
   for (const ComparedStage& stage : comparison.stages) {
     const Image &before = stage.before.image(), &after = stage.after.image();
     nlohmann::ordered_json told{{"stage", stage.topic}, {"old_valid", before.valid()}, {"new_valid", after.valid()}};

@@ -32,7 +32,8 @@ void draw_row(Picture& page, Box row, const Slider& slider, bool chosen) {
   if (!place) return;
   const int x = static_cast<int>(std::lround(*place * bar.width));
   page.fill({bar.x, bar.y, x, bar.height}, chosen ? colours::accent : colours::dim);
-  page.fill({bar.x + std::clamp(x - 3, 0, std::max(bar.width - 6, 0)), bar.y - 4, 6, bar.height + 8}, chosen ? colours::text : colours::dim);
+  page.fill({bar.x + std::clamp(x - 3, 0, std::max(bar.width - 6, 0)), bar.y - 4, 6, bar.height + 8},
+            chosen ? colours::text : colours::dim);
 }
 
 /// Range, default and help of the chosen one; what was refused goes before them.
@@ -46,7 +47,9 @@ void draw_help(Picture& page, Box room, const Panel& panel) {
   if (!panel.trouble.empty()) texts.insert(texts.begin(), panel.trouble);
   int y = room.y + 6;
   for (const std::string& text : texts) {
-    const Colour colour = &text == &texts.front() && !panel.trouble.empty() ? colours::warning : &text == &texts.back() ? colours::text : colours::dim;
+    const Colour colour = &text == &texts.front() && !panel.trouble.empty() ? colours::warning
+                          : &text == &texts.back()                          ? colours::text
+                                                                            : colours::dim;
     for (const std::string& words : wrapped(text, static_cast<size_t>(std::max(room.width - 2 * margin, 80)) / Picture::letter_width)) {
       if (y + line > room.y + room.height) return;
       page.text(room.x + margin, y, words, colour);
@@ -64,7 +67,8 @@ void draw_panel(Picture& page, Box room, const Panel& panel) {
   page.text(room.x + room.width - margin - Picture::text_width(keys), room.y + 8, keys, colours::dim);
   const size_t first = first_row(room, panel), end = std::min(panel.sliders.size(), first + static_cast<size_t>(rows_in(room)));
   for (size_t i = first; i < end; ++i)
-    draw_row(page, {room.x, room.y + head + static_cast<int>(i - first) * row_height, room.width, row_height - 2}, panel.sliders[i], i == panel.chosen);
+    draw_row(page, {room.x, room.y + head + static_cast<int>(i - first) * row_height, room.width, row_height - 2}, panel.sliders[i],
+             i == panel.chosen);
   if (panel.sliders.empty() && panel.trouble.empty())
     page.text(room.x + margin, room.y + head, "this stage has none; a: all", colours::dim);
   const int below = room.y + head + static_cast<int>(end - first) * row_height + 4;

@@ -110,9 +110,9 @@ class Reload(ProgramTest):
         self.config.write_text("[Map]\nminCount = 8\nminCont = 2\n[image source]\nthresh = 99\n[Flor]\nx = 1\nnot a line\n")
         self.wait_for("nothing was changed")
         text = self.daemon.text()
-        for line in (f"{self.config}:3: ", f"{self.config}:5: thresh = 99, must be a number from 0 to 40", f"{self.config}:6: ", f"{self.config}:8: "):
+        for line in (f"{self.config}:3: ", f"{self.config}:5: thresh = 99, must be a number from 0 to 40", f"{self.config}:6: ", f"{self.config}:7: ", f"{self.config}:8: "):
             self.assertIn(line, text)
-        self.assertRegex(text, r"has 4 faults: nothing was changed \(the file was changed\)")
+        self.assertRegex(text, r"has 5 faults: nothing was changed \(the file was changed\)")
         self.assertEqual((self.value("Map.minCount"), self.value("thresh")), ("5", "12"))
         self.assertEqual(self.map_of(), (0, 5))
         self.hang_up()
@@ -127,7 +127,7 @@ class Reload(ProgramTest):
 
     def test_what_needs_a_restart_is_named_in_one_line_and_the_rest_is_taken(self):
         self.start()
-        self.replace(BEGIN.replace("= 5", "= 7") + "corrsize = 15\n[Map\n" .replace("[Map\n", "") + "[Limit obstacle]\nmax_height = 0.3\n[Memory]\nrange = 4\n")
+        self.replace(BEGIN.replace("= 5", "= 7") + "corrsize = 15\n[Limit obstacle]\nmax_height = 0.3\n[Memory]\nrange = 4\n")
         self.wait_for("need a restart")
         lines = [line for line in self.daemon.text().splitlines() if "restart" in line]
         self.assertEqual(len(lines), 1, lines)

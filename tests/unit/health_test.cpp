@@ -74,7 +74,7 @@ struct LedgerTest : testing::Test {
     Image& image = outlet.loan();
     image.state = ImageState::valid;
     image.reason = Reason::none;
-    image.flags = synthetic ? flag_synthetic : 0;
+    image.flags = synthetic ? uint32_t{flag_synthetic} : 0u;
     image.timestamp_ns = 980 * ms;
     if (blind != Reason::none) image.set_blind(blind);
     ledger.pair(blind == Reason::no_frame ? 0 : 1000 * ms);

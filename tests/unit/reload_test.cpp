@@ -1,5 +1,5 @@
-// reload_test.cpp: what another reading of vdisp.cfg takes, keeps and leaves to a restart; when a file counts as changed; one step for undo.
-// SPDX-License-Identifier: Apache-2.0
+// reload_test.cpp: what another reading of vdisp.cfg takes, keeps and leaves to a restart; when a file counts as changed; one step for
+// undo. SPDX-License-Identifier: Apache-2.0
 #include "daemon/control/reload.h"
 
 #include <gtest/gtest.h>
@@ -188,7 +188,9 @@ TEST_F(LiveParametersTest, a_slider_that_moves_is_one_step_for_undo_and_one_line
   for (const char* value : {"12", "13", "14", "15"}) ask(CommandType::set, "thresh", value, true);
   EXPECT_EQ(config.image_source.thresh, 15);
   EXPECT_TRUE(told("image source.thresh: 10 -> 11 (control socket, by process 12 of user 34)"));
-  EXPECT_FALSE(told("12"  " -> "));
+  EXPECT_FALSE(
+      told("12"
+           " -> "));
   ask(CommandType::set, "thresh", "16", true, 2);
   EXPECT_TRUE(told("image source.thresh: 11 -> 15"));
   ask(CommandType::undo);

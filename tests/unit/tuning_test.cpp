@@ -1,13 +1,8 @@
-// tuning_test.cpp: sliders know every live parameter's range by the daemon's words, and the panel finds them under the mouse.
+// tuning_test.cpp: sliders know every live parameter's range by the daemon's words, and each is told with some stage.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
-#include <set>
-
 #include "config/parameters.h"
-#include "probe/view/screen.h"
 #include "probe/view/tuner.h"
 
 namespace vdisp {
@@ -15,7 +10,15 @@ namespace {
 
 /// As the control socket tells it.
 ParameterInfo info_of(const Parameter& row, const Config& config = {}) {
-  return {row.name(), row.get(config), row.get(Config{}), row.allowed(), std::string(row.unit), std::string(row.help), row.when == When::live, 0, 0};
+  return {row.name(),
+          row.get(config),
+          row.get(Config{}),
+          row.allowed(),
+          std::string(row.unit),
+          std::string(row.help),
+          row.when == When::live,
+          0,
+          0};
 }
 
 ParameterInfo info_of(const char* key, const char* value) {
@@ -44,12 +47,15 @@ TEST(SliderTest, every_live_parameter_but_a_text_has_a_slider_whose_every_place_
       EXPECT_EQ(std::stod(slider->at(0)), row.least) << row.name();
       EXPECT_EQ(std::stod(slider->at(1)), row.most) << row.name();
     }
-    if (row.kind == Kind::whole) EXPECT_TRUE(slider->whole()) << row.name() << ": half a number would be refused";
+    if (row.kind == Kind::whole) {
+      EXPECT_TRUE(slider->whole()) << row.name() << ": half a number would be refused";
+    }
     Config standard;
     if (const auto place = slider->place()) {
       EXPECT_EQ(row.set(standard, slider->at(*place)), std::nullopt);
-      if (row.kind == Kind::whole || row.kind == Kind::choice || row.kind == Kind::flag)
+      if (row.kind == Kind::whole || row.kind == Kind::choice || row.kind == Kind::flag) {
         EXPECT_EQ(row.get(standard), row.get(Config{})) << "the knob stands where the value is";
+      }
     }
   }
   EXPECT_GT(sliders, 25);
@@ -93,7 +99,8 @@ TEST(TunerTest, each_live_parameter_is_told_with_some_stage_and_unknown_stages_h
   for (const Parameter& row : parameters()) {
     if (row.when != When::live) continue;
     bool told = false;
-    for (const char* topic : {"camera/left", "disparity", "floor_model", "surface", "map", "fused", "in/odometry"}) told |= concerns(topic, row.name());
+    for (const char* topic : {"camera/left", "disparity", "floor_model", "surface", "map", "fused", "in/odometry"})
+      told |= concerns(topic, row.name());
     EXPECT_TRUE(told) << row.name();
     EXPECT_TRUE(concerns("a stage that is new", row.name()));
   }
@@ -101,75 +108,6 @@ TEST(TunerTest, each_live_parameter_is_told_with_some_stage_and_unknown_stages_h
   EXPECT_FALSE(concerns("disparity", "Map.minCount"));
   EXPECT_TRUE(concerns("fused_reason", "Memory.keep"));
   EXPECT_TRUE(concerns("camera/right", "main.period"));
-}
-
-class PanelTest : public testing::Test {
- protected:
-  PanelTest() {
-    state_.panel.open = true;
-    for (const char* key : {"image source.thresh", "image source.unique", "image source.SpeckleSize"})
-      state_.panel.sliders.push_back(*Slider::of(info_of(*find_parameter(key))));
-  }
-  static bool same(const Picture& a, const Picture& b) {
-    for (int y = 0; y < a.height(); ++y)
-      if (std::memcmp(a.row(y), b.row(y), sizeof(Colour) * static_cast<size_t>(a.width())) != 0) return false;
-    return a.width() == b.width() && a.height() == b.height();
-  }
-  ScreenState state_;
-};
-
-TEST_F(PanelTest, holds_at_any_size) {
-  for (int width : {1, 360, 592, 960, 1500})
-    for (int height : {1, 60, 280, 620}) {
-      for (size_t chosen : {size_t{0}, size_t{2}, size_t{99}}) {
-        state_.panel.chosen = chosen;
-        EXPECT_EQ(draw_screen(state_, width, height).width(), width);
-      }
-    }
-}
-
-TEST_F(PanelTest, value_choice_and_trouble_are_seen) {
-  const Picture usual = draw_screen(state_, 960, 620);
-  state_.panel.chosen = 1;
-  const Picture chosen = draw_screen(state_, 960, 620);
-  EXPECT_FALSE(same(usual, chosen));
-  ParameterInfo info = state_.panel.sliders[1].info();
-  info.value = "33";
-  state_.panel.sliders[1].take(info);
-  const Picture other = draw_screen(state_, 960, 620);
-  EXPECT_FALSE(same(chosen, other));
-  state_.panel.trouble = "nobody listens";
-  EXPECT_FALSE(same(other, draw_screen(state_, 960, 620)));
-  state_.panel.open = false;
-  EXPECT_FALSE(same(usual, draw_screen(state_, 960, 620)));
-}
-
-TEST_F(PanelTest, the_mouse_finds_each_slider_once_from_its_least_to_its_greatest) {
-  const Box room = panel_room(960, 620);
-  std::set<size_t> found;
-  for (int y = 0; y < 620; ++y) {
-    EXPECT_FALSE(hit(room, state_.panel, room.x - 1, y)) << "that is the stage";
-    const auto left = hit(room, state_.panel, room.x, y), right = hit(room, state_.panel, 959, y);
-    ASSERT_EQ(left.has_value(), right.has_value());
-    if (!left) continue;
-    found.insert(left->slider);
-    EXPECT_EQ(left->place, 0);
-    EXPECT_EQ(right->place, 1);
-  }
-  EXPECT_EQ(found, (std::set<size_t>{0, 1, 2}));
-  EXPECT_NEAR(place_along(room, room.x + room.width / 2), 0.5, 0.01);
-}
-
-TEST_F(PanelTest, a_chosen_one_below_the_others_is_brought_into_view) {
-  for (int i = 0; i < 30; ++i) state_.panel.sliders.push_back(state_.panel.sliders[0]);
-  state_.panel.chosen = state_.panel.sliders.size() - 1;
-  const Box room = panel_room(960, 620);
-  bool seen = false;
-  for (int y = 0; y < 620; ++y) {
-    const auto found = hit(room, state_.panel, room.x + 5, y);
-    seen |= found && found->slider == state_.panel.chosen;
-  }
-  EXPECT_TRUE(seen);
 }
 
 }  // namespace
