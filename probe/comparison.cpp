@@ -51,6 +51,7 @@ class Folder {
 
 /// What belongs to the daemon and its pairs, and not to the stages behind them.
 bool of_the_daemon(const std::string& key) {
+  if (key == "main.detectors" || key == "main.threads") return false;
   for (const char* section : {"main.", "camera.", "ipc.", "control.", "sim."})
     if (key.starts_with(section)) return true;
   for (const char* pair : {"source", "left", "right", "rate", "loop", "paramfile", "odometry", "width", "height", "bayer"})
@@ -213,6 +214,29 @@ uint64_t count_differing(const Image& a, const Image& b) {
   return differing;
 }
 
+uint64_t count_measured(const Image& image) {
+  uint64_t count = 0;
+  for (int y = 0; y < image.spec.height; ++y)
+    count += static_cast<uint64_t>(std::count_if(image.row<int16_t>(y), image.row<int16_t>(y) + image.spec.width,
+                                                 [](int16_t pixel) { return rejected_code(pixel) == 0; }));
+  return count;
+}
+
+uint64_t count_obstacles(const Image& image) {
+  uint64_t count = 0;
+  for (int y = 0; y < image.spec.height; ++y)
+    count += static_cast<uint64_t>(
+        std::count_if(image.row<int8_t>(y), image.row<int8_t>(y) + image.spec.width, [](int8_t cell) { return cell >= occupied_from; }));
+  return count;
+}
+
+Count count_of(const Image& before, const Image& after) {
+  if (!before.valid() || !after.valid()) return {};
+  if (before.spec.pixel == Pixel::disparity16) return {"px have a disparity", count_measured(before), count_measured(after)};
+  if (before.spec.pixel == Pixel::int8) return {"cells are obstacles", count_obstacles(before), count_obstacles(after)};
+  return {};
+}
+
 }  // namespace
 
 StoredImage::StoredImage(const fs::path& file) {
@@ -253,6 +277,7 @@ Comparison compare_frames(const Options& options) {
       stage.pixels = static_cast<uint64_t>(stage.before.image().spec.width) * stage.before.image().spec.height;
       stage.differing = count_differing(stage.before.image(), stage.after.image());
     }
+    stage.count = count_of(stage.before.image(), stage.after.image());
     comparison.stages.push_back(std::move(stage));
   }
   return comparison;

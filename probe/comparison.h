@@ -28,11 +28,18 @@ class StoredImage {
   std::unique_ptr<std::byte[], Free> memory_;
 };
 
+/// Pixels of a disparity that were measured, cells of an occupancy that are obstacles; what is counted is empty for other stages.
+struct Count {
+  const char* what = "";
+  uint64_t before = 0, after = 0;
+};
+
 /// One stage, old and new.
 struct ComparedStage {
   std::string topic;
   StoredImage before, after;
   uint64_t pixels = 0, differing = 0;  ///< of pictures of one size
+  Count count{};
   bool comparable() const { return before.image().spec == after.image().spec && before.image().valid() && after.image().valid(); }
 };
 

@@ -53,9 +53,12 @@ std::string difference_words(const ComparedStage& stage) {
     return stage.before.image().valid() == stage.after.image().valid() ? "both blind" : "one of them is blind";
   }
   if (stage.before.image().spec.pixel == Pixel::record) return stage.differing ? "differs" : "the same";
-  return format("%llu of %llu px differ (%.1f %%)", static_cast<unsigned long long>(stage.differing),
-                static_cast<unsigned long long>(stage.pixels),
-                100.0 * static_cast<double>(stage.differing) / static_cast<double>(stage.pixels));
+  const std::string differing = format("%llu of %llu px differ (%.1f %%)", static_cast<unsigned long long>(stage.differing),
+                                       static_cast<unsigned long long>(stage.pixels),
+                                       100.0 * static_cast<double>(stage.differing) / static_cast<double>(stage.pixels));
+  if (!*stage.count.what) return differing;
+  return differing + format("; %llu -> %llu %s", static_cast<unsigned long long>(stage.count.before),
+                            static_cast<unsigned long long>(stage.count.after), stage.count.what);
 }
 
 std::vector<const ComparedStage*> chosen_stages(const Comparison& comparison, const std::vector<std::string>& wanted) {

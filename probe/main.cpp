@@ -69,7 +69,7 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub->add_option("-o,--output", options.output, "PNG file instead of a window")->type_name("FILE");
   sub->add_option("--stage", options.topics, "Stage to show; may be repeated")->type_name("TOPIC")->allow_extra_args(false);
   sub->add_option("--frames", options.frames, "Pairs to take, so that what looks back has something to look at; the last one is shown")
-      ->check(CLI::Range(1, 1000))
+      ->check(CLI::Range(1, 60))
       ->capture_default_str();
   sub->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")
       ->type_name("PATH");

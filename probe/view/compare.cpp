@@ -22,6 +22,7 @@ std::string json(const Comparison& comparison) {
     nlohmann::ordered_json told{{"stage", stage.topic}, {"old_valid", before.valid()}, {"new_valid", after.valid()}};
     told["pixels"] = stage.comparable() ? nlohmann::ordered_json(stage.pixels) : nlohmann::ordered_json(nullptr);
     told["differing"] = stage.comparable() ? nlohmann::ordered_json(stage.differing) : nlohmann::ordered_json(nullptr);
+    if (*stage.count.what) told["counted"] = {{"what", stage.count.what}, {"old", stage.count.before}, {"new", stage.count.after}};
     all["stages"].push_back(told);
   }
   return all.dump() + "\n";

@@ -139,7 +139,7 @@ TEST(MetricsText, counts_stand_in_lines_that_prometheus_reads_and_buckets_are_cu
                            "vdisp_latency_seconds_bucket{le=\"0.015\"} 3\n", "vdisp_latency_seconds_bucket{le=\"+Inf\"} 4\n",
                            "vdisp_latency_seconds_sum 0.72\n", "vdisp_latency_quantile_seconds{quantile=\"1\"} 0.7\n"})
     EXPECT_NE(text.find(line), text.npos) << line << text;
-  EXPECT_EQ(text.find("camera"), text.npos) << "there are none";
+  EXPECT_EQ(text.find("vdisp_camera"), text.npos) << "there are none";
   health.cameras = 1;
   health.camera.view[1].incomplete = 9;
   EXPECT_NE(metrics_text(health, catalogue, "a", true).find("vdisp_camera_incomplete_frames_total{camera=\"right\"} 9\n"), text.npos);
