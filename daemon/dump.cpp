@@ -9,7 +9,7 @@
 namespace vdisp {
 namespace fs = std::filesystem;
 
-Dump::Dump(fs::path folder) : folder_(std::move(folder)) {
+Dump::Dump(fs::path folder, bool images) : folder_(std::move(folder)), images_(images) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw WriteError(EX_CANTCREAT, folder_.string() + ": cannot be created: " + error.message());
@@ -22,6 +22,7 @@ void Dump::see(const Topic& topic, const Image& image) noexcept {
   try {
     if (!current_) current_.emplace(folder_ / frame_name(frame_));
     current_->add(topic.name, image);
+    if (images_) current_->add_file(topic.name + ".image", {reinterpret_cast<const char*>(&image), image.spec.bytes()});
   } catch (const WriteError& error) {
     failed_ = error;
   } catch (const std::exception& error) {

@@ -17,13 +17,15 @@ namespace vdisp {
 class Dump {
  public:
   /// Creates DIR; one that holds frames already is refused, so that two runs are never mixed.
-  explicit Dump(std::filesystem::path folder);
+  /// `images`: each image is also written as it is in memory, header and rows: STAGE.image.
+  Dump(std::filesystem::path folder, bool images);
   void see(const Topic& topic, const Image& image) noexcept;
   /// After each step; `files`: left and right of the pair.
   void finish_frame(const Driver& driver, const std::pair<std::string, std::string>& files);
 
  private:
   std::filesystem::path folder_;
+  bool images_;
   uint64_t frame_ = 0;
   std::optional<FrameDump> current_;
   std::optional<WriteError> failed_;

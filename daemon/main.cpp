@@ -10,11 +10,11 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "daemon/control/command_socket.h"
 #include "daemon/core/clock.h"
 #include "daemon/core/pace.h"
 #include "daemon/dump.h"
 #include "daemon/failure.h"
+#include "daemon/health_report.h"
 #include "daemon/log/edges.h"
 #include "daemon/log/log.h"
 #include "daemon/options.h"
@@ -28,7 +28,6 @@ namespace vdisp {
 namespace {
 
 constexpr int longest_wait_ms = 100;  // for a pair: heartbeat and control socket wait as long
-
 volatile std::sig_atomic_t stop_asked = 0;
 
 /// One run: everything is built in the constructor, which may throw; after it nothing allocates, but for the dump.
@@ -48,9 +47,13 @@ class Run {
     source_ = source.get();
     build_tree(driver_, std::move(source), machine_, config_, inputs_);
     if (!options.dot.empty()) write_graph(driver_, options.dot);
-    if (!options.dump.empty()) dump_.emplace(options.dump);
+    if (!options.dump.empty()) dump_.emplace(options.dump, options.images);
     shared_ = publish(driver_, config_, dump_ ? options.dump : options.record);
-    if (shared_) control_.emplace(config_, options_.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
+    const bool serves = shared_ != nullptr;  // else a recording is evaluated, by one configuration
+    control_.emplace(config_, ConfigOrigin{options.file, options.sets, serves}, inputs_, serves,
+                     [](std::string_view line, bool fault) { fault ? log::warn("{}", line) : log::info("{}", line); });
+    report_.emplace(config_, *source_, inputs_, *control_);
+    driver_.set_reporter([this](Health& health, const Catalogue& catalogue) { (*report_)(health, catalogue); });
     if (!options.record.empty()) record_ = start_record(options.record, driver_, config_, source_->calibration(), epoch_);
     if (dump_) driver_.need_all();
     service_.emplace(config_, [this] { return !shared_ || shared_->attachable(); });
@@ -102,16 +105,19 @@ class Run {
     alarm(2);          // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
     log::stop();
+    report_.reset();
     control_.reset();
     if (shared_) SharedMemory::leave(exit_code);
   }
 
  private:
-  /// What came by the control socket, between two frames.
+  /// What came by the control socket, or in vdisp.cfg, between two frames.
   void serve() {
     service_->expect(period_ns());
     for (std::string line; source_->news(line);) log::info("{}", line);
-    if (!control_ || !control_->serve(driver_.sequence())) return;
+    const int64_t period = std::max<int64_t>(source_->pair_period_ns(), config_.main.period * 1'000'000LL);
+    driver_.set_deadline(static_cast<int64_t>(config_.main.deadline * 1e6), period);
+    if (!control_->serve(driver_.sequence())) return;
     driver_.set_config_generation(control_->generation());
     log::set_level(config_.main.debug);
   }
@@ -128,6 +134,7 @@ class Run {
   StereoSource* source_ = nullptr;  // owned by the driver
   std::unique_ptr<SharedMemory> shared_;
   std::optional<CommandSocket> control_;
+  std::optional<HealthReport> report_;
   std::optional<Dump> dump_;
   std::unique_ptr<Record> record_;
   std::optional<Service> service_;
@@ -136,7 +143,8 @@ class Run {
 int main(int argc, char** argv) {
   Parsed parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
-  for (int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { stop_asked = 1; });
+  for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_asked = 1; });
+  ConfigWatch::hold_hangup();
   std::signal(SIGPIPE, SIG_IGN);
   log::start(parsed.options.config.main.debug);
   std::optional<Run> run;

@@ -68,7 +68,8 @@ int read(const std::string& file, std::vector<std::string> sets, bool sim, Optio
   std::error_code ignored;
   const bool installed = file.empty() && std::filesystem::exists(installed_config, ignored);
   options.file = installed ? installed_config : file;
-  const ConfigReading reading = read_config(options.file, sets, options.config);
+  options.sets = std::move(sets);
+  const ConfigReading reading = read_config(options.file, options.sets, options.config);
   for (const Complaint& note : reading.notes) std::cerr << "vdispd: " << note << '\n';
   for (const Complaint& complaint : reading.complaints) std::cerr << complaint << '\n';
   return reading.exit_code;
@@ -97,6 +98,7 @@ Parsed parse_options(int argc, char** argv) {
                  "Record every step to the folder DIR: pairs with labels, and what came in; source = files replays it")
       ->type_name("DIR")
       ->check(not_empty);
+  app.add_flag("--images", options.images, "With --dump: also each image as it is in memory, STAGE.image")->needs(app.get_option("--dump"));
   app.add_option("--cpu", options.cpu, "Instruction set of the kernels, here " + instruction_sets() + "; auto is the last of them")
       ->type_name("LEVEL")
       ->check(known_instruction_set);

@@ -13,12 +13,14 @@ namespace vdisp {
 
 struct Options {
   Config config;
-  std::string file;          ///< the vdisp.cfg it was read from; empty: none
-  std::string dump;          ///< folder; empty: none
-  std::string record;        ///< folder; empty: none
-  std::string dot;           ///< file; empty: none
-  std::string cpu = "auto";  ///< a level of kernels::levels(), or auto
-  uint64_t frames = 0;       ///< 0: until the source ends
+  std::string file;               ///< the vdisp.cfg it was read from; empty: none
+  std::vector<std::string> sets;  ///< SECTION.KEY=VALUE of the command line
+  std::string dump;               ///< folder; empty: none
+  bool images = false;            ///< the dump also holds each image as it is
+  std::string record;             ///< folder; empty: none
+  std::string dot;                ///< file; empty: none
+  std::string cpu = "auto";       ///< a level of kernels::levels(), or auto
+  uint64_t frames = 0;            ///< 0: until the source ends
 };
 
 /// Reads the command line and the configuration it names. When there is nothing to run (help, a mistake, --check-config,

@@ -54,6 +54,7 @@ Handles add_line_branch(const Trunk& t, Handle disparity) {
   const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
   const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
   const auto map = driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
+  driver.set_result(map);
 
   // For the eye: run only while somebody looks, and after the map.
   driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
@@ -74,7 +75,7 @@ Handles add_plane_branch(const Trunk& t, Handle disparity) {
   const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
                                      {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
   driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
-  driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
+  driver.set_result(driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always));
 
   const auto memory = driver.add("memory", make_unique<OdometryCheck>(config),
                                  {ground[0], even_blind(in[0]), driver.last("tracks", record_spec<Tracks>())}, Need::always);
@@ -139,10 +140,12 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
   const auto disparity =
       driver.add("disparity", make_unique<Disparity>(machine, config), views, snow && !floors ? Need::on_demand : Need::always);
+  driver.set_result(disparity);
 
   Handles ways;
   if (floors) ways = config.floor.model == "line" ? add_line_branch(trunk, disparity) : add_plane_branch(trunk, disparity);
   if (snow) ways.push_back(add_snow_branch(trunk));
+  if (snow && !floors) driver.set_result(ways.back());
   if (!ways.empty()) add_drive(trunk, ways);
   stereo.add_truth(driver, camera[0]);
 }

@@ -65,7 +65,7 @@ struct ParameterMessage {
   char key[96];     ///< set, get: "SECTION.KEY", or KEY where one section has it; empty in get: the one numbered `index`
   char value[256];  ///< set: as in vdisp.cfg
   uint32_t index;   ///< get without key: from 0, in the order of vdisp.cfg
-  uint32_t unused;
+  uint32_t joined;  ///< set: 1: with the set of this key before, by this connection, it is one step for undo
 };
 
 enum class Answer : uint32_t {

@@ -90,6 +90,7 @@ struct Control::Implementation {
   Result judge(const ReplyMessage& reply);
   Result deliver(const void* bytes, size_t size);
   Result ask(const ParameterMessage& message, ReplyMessage& reply);
+  Result set(std::string_view key, std::string_view value, bool joined, ParameterInfo* info);
   Result ended(const char* text);
 };
 
@@ -268,15 +269,23 @@ Result Control::event(std::string_view label, int64_t timestamp_ns) {
   return implementation_->deliver(&message, sizeof message);
 }
 
-Result Control::set(std::string_view key, std::string_view value, ParameterInfo* info) {
-  auto message = make<ParameterMessage>(CommandType::set);
-  if (!put(message.key, key)) return implementation_->say(Result::unknown, "no parameter has such a name: it is longer than 95 characters");
-  if (!put(message.value, value))
-    return implementation_->say(Result::refused, "the value is longer than the 255 characters that can be sent");
+Result Control::Implementation::set(std::string_view key, std::string_view value, bool joined, ParameterInfo* info) {
+  auto request = make<ParameterMessage>(CommandType::set);
+  request.joined = joined;
+  if (!put(request.key, key)) return say(Result::unknown, "no parameter has such a name: it is longer than 95 characters");
+  if (!put(request.value, value)) return say(Result::refused, "the value is longer than the 255 characters that can be sent");
   ReplyMessage reply;
-  const Result result = implementation_->ask(message, reply);
+  const Result result = ask(request, reply);
   if (result == Result::done && info) *info = info_of(reply);
   return result;
+}
+
+Result Control::set(std::string_view key, std::string_view value, ParameterInfo* info) {
+  return implementation_->set(key, value, false, info);
+}
+
+Result Control::adjust(std::string_view key, std::string_view value, ParameterInfo* info) {
+  return implementation_->set(key, value, true, info);
 }
 
 Result Control::get(std::string_view key, ParameterInfo& info) {

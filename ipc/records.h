@@ -6,6 +6,7 @@
 #include "records/catalogue.h"
 #include "records/drive.h"
 #include "records/floor.h"
+#include "records/health.h"
 #include "records/inputs.h"
 #include "records/map_changes.h"
 #include "records/memory.h"

@@ -22,6 +22,8 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   CLI::App* sub = add("view", "Page through the stages in a window: arrow keys, ? for help", view, false);
   sub->add_option("NAME", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
   sub->add_option("--stage", options.topics, "Stage to begin with")->expected(1)->type_name("TOPIC");
+  sub->add_option("--control", options.control, "The daemon's control socket, for the sliders; without it the usual places")
+      ->type_name("PATH");
   sub = add("list", "The stages as a tree: format, readers, runs, time", list);
   sub->add_flag("--json", options.json, "As JSON");
   sub = add("dump", "Write the images of whole frames to a folder, in the format of vdispd --dump", dump);
@@ -38,6 +40,12 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub = add("stats", "Times, runs and drops of the stages, each second", stats);
   sub->add_flag("--once", options.once, "Print once and end");
   sub->add_flag("--json", options.json, "As JSON, one line a second");
+  sub = add("latency", "From the exposure to the map: p50, p99, p99.9, longest, and the histogram", latency);
+  sub->add_option("--seconds", options.seconds, "Measure so long; without it all since the daemon's start")
+      ->check(CLI::Range(0.1, 1e6))
+      ->type_name("S");
+  sub->add_flag("--reader", options.reader, "In the hands of a reader of the map (10 s without --seconds)");
+  sub->add_flag("--json", options.json, "As JSON, one line");
   sub = add("why", "Why a cell of the map, or a pixel, is what it is: back to disparities, floor and thresholds", why);
   sub->add_option("ROW", options.row, "Row from 0: of a map's cells row 0 is farthest")->required()->check(CLI::Range(0, 65535));
   sub->add_option("COLUMN", options.column, "Column from 0, from the left")->required()->check(CLI::Range(0, 65535));
@@ -56,6 +64,16 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub->add_option("VALUE", options.value, "As in vdisp.cfg")->required();
   sub = add_control("get", "A parameter of the running daemon: value, default, range, help; without KEY all values", get);
   sub->add_option("KEY", options.key, "SECTION.KEY, or KEY where one section has it");
+  sub = add("compare", "Old and new beside each other on the same frame, before a parameter is set", compare);
+  sub->add_option("KEY=VALUE", options.sets, "Parameters behind the rectified pair, live or not")->required();
+  sub->add_option("-o,--output", options.output, "PNG file instead of a window")->type_name("FILE");
+  sub->add_option("--stage", options.topics, "Stage to show; may be repeated")->type_name("TOPIC")->allow_extra_args(false);
+  sub->add_option("--frames", options.frames, "Pairs to take, so that what looks back has something to look at; the last one is shown")
+      ->check(CLI::Range(1, 60))
+      ->capture_default_str();
+  sub->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")
+      ->type_name("PATH");
+  sub->add_flag("--json", options.json, "How much each stage differs, as JSON");
   add_control("save", "Write what was set into the vdisp.cfg that the daemon was started with", save);
   add_control("undo", "Take the last set back", undo);
   sub = add_control("send", "Send odometry, IMU samples, drive orders or events to the daemon, from CSV lines", send);

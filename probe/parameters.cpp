@@ -22,7 +22,10 @@ std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 /// What holds after set and undo.
 void print_change(const ParameterInfo& info, bool json) {
   if (json) {
-    print(line_of({{"key", info.key}, {"value", info.value}, {"config_generation", info.config_generation}, {"sequence", info.sequence}}));
+    Json told{{"key", info.key}, {"value", info.value}};
+    if (!info.help.empty()) told["all"] = info.help;
+    told.update(Json{{"config_generation", info.config_generation}, {"sequence", info.sequence}});
+    print(line_of(told));
   } else {
     print(info.key + " = " + info.value + ", from frame " + std::to_string(info.sequence) + " on (generation " +
           std::to_string(info.config_generation) + ")\n");
@@ -43,7 +46,13 @@ int undo(const Options& options) {
   Control control(options.control);
   ParameterInfo info;
   require_done(control, options, [&] { return control.undo(&info); });
-  print_change(info, options.json);
+  // The last change may have been another reading of vdisp.cfg, with several keys: then the help tells them.
+  if (options.json || info.help.empty()) {
+    print_change(info, options.json);
+  } else {
+    print(info.help + ", from frame " + std::to_string(info.sequence) + " on (generation " + std::to_string(info.config_generation) +
+          ")\n");
+  }
   return 0;
 }
 

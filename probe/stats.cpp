@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "probe/attach.h"
+#include "probe/health.h"
 #include "probe/kept.h"
 #include "probe/terminal.h"
 
@@ -66,7 +67,7 @@ std::string table(const Catalogue& catalogue, const std::vector<Line>& lines, co
   return out;
 }
 
-std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, std::string_view state) {
+std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, const Health* health, std::string_view state) {
   nlohmann::ordered_json stages = nlohmann::ordered_json::array();
   for (const Line& line : lines) {
     const CatalogueEntry& e = line.entry;
@@ -85,6 +86,7 @@ std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, std
                                    {"blind_steps", catalogue.blind_steps},
                                    {"period_ns", catalogue.period_ns},
                                    {"step_mean_ns", catalogue.step_mean_ns},
+                                   {"health", health ? health_json(*health) : nlohmann::ordered_json(nullptr)},
                                    {"stages", stages}};
   return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -115,18 +117,35 @@ class History {
   int newest_ = 0;
 };
 
-std::string report(const History& history, const Reading& reading, bool as_json) {
+/// The daemon's losses, as told with the catalogue.
+struct Losses {
+  Client::Topic topic;
+  KeptImage kept;
+  const Health* look(Client& client, uint64_t epoch) {
+    const Reading reading = client.latest(topic);
+    if (reading.image && record_of<Health>(*reading.image)) kept.keep(*reading.image);
+    return kept.get() && kept.get()->epoch == epoch ? record_of<Health>(*kept.get()) : nullptr;
+  }
+};
+
+std::string report(const History& history, const Health* health, const Reading& reading, bool as_json) {
   const Catalogue& catalogue = *record_of<Catalogue>(*history.now());
   const std::string state(reading.trust == Trust::dead ? "no daemon, waiting" : reading.trust == Trust::stale ? "stale" : "running");
-  return as_json ? json(catalogue, history.lines(), state) : table(catalogue, history.lines(), state);
+  if (as_json) return json(catalogue, history.lines(), health, state);
+  return table(catalogue, history.lines(), state) + (health ? "\n" + health_words(*health) : "");
 }
 
-int print_once(Client& client, Client::Topic topic, bool as_json) {
+int print_once(Client& client, Client::Topic topic, Losses& losses, bool as_json) {
   History history;
   for (int tries = 0; tries < 50 && !stopped(); ++tries) {
     const Reading reading = client.wait(topic, Client::Time(100));
     if (!history.take(reading)) continue;
-    print(report(history, reading, as_json));
+    const Health* health = losses.look(client, reading.image->epoch);
+    for (int more = 0; !health && more < 12 && !stopped(); ++more) {
+      client.wait(losses.topic, Client::Time(100));
+      health = losses.look(client, history.now()->epoch);
+    }
+    print(report(history, health, reading, as_json));
     return 0;
   }
   if (stopped()) return 0;
@@ -140,7 +159,8 @@ int stats(const Options& options) {
   Client client(options.name);
   attach(client, options);
   const Client::Topic topic = client.subscribe("catalogue");
-  if (options.once) return print_once(client, topic, options.json);
+  Losses losses{client.subscribe("health"), {}};
+  if (options.once) return print_once(client, topic, losses, options.json);
   History history;
   LiveScreen screen;
   Trust last_trust = Trust::fresh;
@@ -151,7 +171,8 @@ int stats(const Options& options) {
     const bool news = history.take(reading) || reading.trust != last_trust;
     last_trust = reading.trust;
     if (!news || !history.now()) continue;
-    screen.show(report(history, reading, options.json) + (screen.live() && !options.json ? "\nq ends\n" : ""));
+    const Health* health = losses.look(client, history.now()->epoch);
+    screen.show(report(history, health, reading, options.json) + (screen.live() && !options.json ? "\nq ends\n" : ""));
   }
   return 0;
 }

@@ -29,6 +29,9 @@ struct Options {
   double rate = 0;                  ///< send: lines a second; 0: as the lines say, or as they come
   int row = 0, column = 0;          ///< why: of the cell, or of the pixel
   bool pixel = false;               ///< why: a pixel of the left view
+  double seconds = 0;               ///< latency: how long to measure; 0: since the daemon's start
+  bool reader = false;              ///< latency: as a reader gets it
+  std::vector<std::string> sets;    ///< compare: KEY=VALUE
   std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show
 };
 
@@ -38,6 +41,8 @@ int dump(const Options& options);
 int map(const Options& options);
 int sheet(const Options& options);
 int stats(const Options& options);
+int latency(const Options& options);
+int compare(const Options& options);
 int why(const Options& options);
 int set(const Options& options);
 int get(const Options& options);

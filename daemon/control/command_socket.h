@@ -10,17 +10,19 @@ namespace vdisp {
 
 class CommandSocket {
  public:
-  /// `config` is what the stages read, `file` the vdisp.cfg it came from (empty: none). Without [control] socket a daemon that may make
-  /// the socket nowhere runs without it, and tells so. Throws ControlError.
-  CommandSocket(Config& config, const std::filesystem::path& file, Inputs& inputs, const Inlet::Tell& tell);
+  /// `config` is what the stages read; it is read again where `origin` says so. `listen`: without it there is no socket. Without
+  /// [control] socket a daemon that may make the socket nowhere runs without it, and tells so. Throws ControlError.
+  CommandSocket(Config& config, const ConfigOrigin& origin, Inputs& inputs, bool listen, const LiveParameters::Tell& tell);
 
   /// Before each frame, and while one is waited for: takes what has come. `sequence` is the next frame's. True: the configuration has
   /// changed. No allocation, no wait.
   bool serve(uint64_t sequence) noexcept;
-  uint64_t generation() const { return parameters_ ? parameters_->generation() : 0; }
+  uint64_t generation() const { return parameters_.generation(); }
+  /// What of it counts as lost.
+  void count(Health& health) const noexcept;
 
  private:
-  std::unique_ptr<LiveParameters> parameters_;
+  LiveParameters parameters_;
   std::unique_ptr<Inlet> inlet_;
 };
 

@@ -68,6 +68,7 @@ void Inlet::accept_clients(int64_t now_ns) noexcept {
     if (Client* place = free_place(now_ns)) {
       *place = newcomer;
     } else {
+      ++losses_.refused;
       say(full, newcomer, now_ns);
       refuse(socket, Answer::busy, 0);
       close(socket);
@@ -98,6 +99,7 @@ void Inlet::listen_to(Client& client, int64_t now_ns) noexcept {
     if (size <= 0) return drop(client);
     client.heard_ns = now_ns;
     if (take(client, bytes, static_cast<size_t>(size), now_ns)) continue;
+    ++losses_.closed;
     say(wrong_message, client, now_ns);
     refuse(client.socket, Answer::wrong_message, 0);
     return drop(client);
@@ -128,7 +130,10 @@ bool Inlet::take(Client& client, const char* bytes, size_t size, int64_t now_ns)
       auto message = copied<ParameterMessage>(bytes);
       end(message.key);
       end(message.value);
-      if (!parameters_.ask(message, client.number)) refuse(client.socket, Answer::busy, header.number);
+      if (!parameters_.ask(message, {client.number, client.pid, client.uid})) {
+        ++losses_.requests;
+        refuse(client.socket, Answer::busy, header.number);
+      }
       return true;
     }
     case CommandType::reply: break;
@@ -138,7 +143,10 @@ bool Inlet::take(Client& client, const char* bytes, size_t size, int64_t now_ns)
 
 void Inlet::answer(Client& client, const ReplyMessage& reply) noexcept {
   if (send(client.socket, &reply, sizeof reply, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof reply) return;
-  if (errno == EAGAIN || errno == EWOULDBLOCK) say(deaf, client, monotonic_ns());
+  if (errno == EAGAIN || errno == EWOULDBLOCK) {
+    ++losses_.closed;
+    say(deaf, client, monotonic_ns());
+  }
   drop(client);
 }
 

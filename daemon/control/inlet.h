@@ -43,6 +43,11 @@ class Inlet {
   const std::string& path() const { return path_; }
   /// Takes what has come: at most 32 connections and 64 messages of each client. `sequence` is the next frame's.
   void serve(uint64_t sequence) noexcept;
+  /// Connections refused as all were in use, closed by the daemon, and requests refused as too many waited.
+  struct Losses {
+    uint64_t refused = 0, closed = 0, requests = 0;
+  };
+  const Losses& losses() const { return losses_; }
 
  private:
   struct Client {
@@ -79,6 +84,7 @@ class Inlet {
   uint64_t connections_ = 0;
   std::array<Client, most_clients> clients_;
   std::array<Edge, troubles> edges_;
+  Losses losses_;
 };
 
 }  // namespace vdisp

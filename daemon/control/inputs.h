@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "config/config.h"
@@ -36,6 +37,10 @@ class Inputs {
   void write_drive(Image& image, int64_t now_ns);
   void write_events(Image& image, int64_t now_ns);
   const InputTally& odometry_tally() const { return odometry_.input.tally; }
+  /// In the order of `input_names`.
+  std::array<const InputTally*, 4> tallies() const {
+    return {&odometry_.input.tally, &imu_.input.tally, &drive_.input.tally, &events_.input.tally};
+  }
 
  private:
   /// What all kinds have in common.

@@ -1,81 +1,96 @@
-// live_parameters.cpp: set, get, save, undo.
+// live_parameters.cpp: the thread that answers, and the loop's end of it; what changes anything is in parameter_changes.cpp.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/control/live_parameters.h"
 
-#include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <string_view>
-#include <system_error>
 
 #include "config/change.h"
 #include "daemon/control/config_file.h"
+#include "daemon/control/reply_text.h"
 
 namespace vdisp {
 namespace {
 
-constexpr size_t waiting = 64;       // requests, of all clients together
-constexpr size_t most_steps = 1000;  // that undo can take back
-
-template <size_t size>
-void put(char (&to)[size], std::string_view text) {
-  const size_t length = std::min(text.size(), size - 1);
-  std::memcpy(to, text.data(), length);
-  std::memset(to + length, 0, size - length);
-}
+constexpr size_t waiting = 64;  // requests, of all clients together
+constexpr int slide_ms = 1000;  // a slider that rests so long has arrived
+constexpr int longest_wait_ms = 3600'000;
 
 }  // namespace
 
-LiveParameters::LiveParameters(Config& config, std::filesystem::path file)
-    : in_use_(config), config_(config), saved_(config), file_(std::move(file)), requests_(waiting), results_(waiting) {
-  if (!file_.empty()) file_text_ = read_text(file_).value_or("");
-  sem_init(&asked_, 0, 0);
+LiveParameters::LiveParameters(Config& config, ConfigOrigin origin, Tell tell)
+    : in_use_(config),
+      config_(config),
+      saved_(config),
+      origin_(std::move(origin)),
+      tell_(std::move(tell)),
+      requests_(waiting),
+      results_(waiting),
+      watch_(origin_.file, origin_.watched) {
+  if (!origin_.file.empty()) file_text_ = seen_text_ = read_text(origin_.file).value_or("");
+  if (!watch_.trouble().empty()) tell_(watch_.trouble(), true);
   thread_ = std::thread([this] { think(); });
 }
 
 LiveParameters::~LiveParameters() {
   ending_ = true;
-  sem_post(&asked_);
+  watch_.ask();
   thread_.join();
-  sem_destroy(&asked_);
 }
 
-bool LiveParameters::ask(const ParameterMessage& message, uint64_t client) noexcept {
+bool LiveParameters::ask(const ParameterMessage& message, const Sender& sender) noexcept {
   Request* place = requests_.free_place();
   if (!place) return false;
   place->message = message;
-  place->client = client;
+  place->sender = sender;
   requests_.push();
-  sem_post(&asked_);
+  watch_.ask();
   return true;
 }
 
 bool LiveParameters::next(Reply& reply) noexcept {
   Result* result = results_.front();
   if (!result) return false;
-  if (result->changed) {
-    result->changed->exchange(in_use_, result->value);
-    ++generation_;
-  }
+  for (const Parameter* row : result->changed) row->exchange(in_use_, result->value);
+  if (!result->changed.empty()) ++generation_;
   result->message.config_generation = generation_;
   reply = {result->client, &result->message};
   return true;
 }
 
 void LiveParameters::think() {
+  const std::string file = origin_.file.string();
   while (true) {
-    while (sem_wait(&asked_) != 0 && errno == EINTR) {
+    const ConfigWatch::Event event = watch_.wait(slide_.row ? slide_ms : longest_wait_ms);
+    if (ending_) break;
+    switch (event) {
+      case ConfigWatch::Event::nothing: tell_slide(); break;
+      case ConfigWatch::Event::asked: answer_all(); break;
+      case ConfigWatch::Event::hangup: reload(Precedence::file, "SIGHUP" + sent_by(watch_.pid(), watch_.uid())); break;
+      case ConfigWatch::Event::changed: reload(Precedence::hand, "the file was changed"); break;
     }
-    if (ending_) return;
-    Request* request = requests_.front();
-    Result* result = request ? results_.free_place() : nullptr;
-    if (!request) continue;
-    // The loop takes results faster than it asks: a place becomes free. Sleeping is as good as anything.
-    while (!result && !ending_) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      result = results_.free_place();
-    }
+  }
+  tell_slide();
+}
+
+/// The loop takes results faster than it asks: a place becomes free. Sleeping is as good as anything. Null: the daemon ends.
+LiveParameters::Result* LiveParameters::free_result() {
+  Result* result = results_.free_place();
+  while (!result && !ending_) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    result = results_.free_place();
+  }
+  if (result) {
+    result->client = 0;
+    result->changed.clear();
+    result->message = {};
+  }
+  return result;
+}
+
+void LiveParameters::answer_all() {
+  while (Request* request = requests_.front()) {
+    Result* result = free_result();
     if (!result) return;
     answer(*request, *result);
     requests_.pop();
@@ -84,18 +99,16 @@ void LiveParameters::think() {
 }
 
 void LiveParameters::answer(const Request& request, Result& result) {
-  result.client = request.client;
-  result.changed = nullptr;
+  result.client = request.sender.connection;
   ReplyMessage& reply = result.message;
-  reply = {};
   reply.header = {command_magic, command_version, CommandType::reply, sizeof reply, request.message.header.number};
   reply.count = static_cast<uint32_t>(parameters().size());
   try {
     switch (request.message.header.type) {
-      case CommandType::set: return set(request.message, result);
+      case CommandType::set: return set(request, result);
       case CommandType::get: return get(request.message, result);
-      case CommandType::undo: return undo(result);
-      default: return save(result);
+      case CommandType::undo: return undo(request.sender, result);
+      default: return save(request.sender, result);
     }
   } catch (const std::exception& error) {
     reply.answer = Answer::failed;
@@ -113,30 +126,6 @@ void LiveParameters::describe(const Parameter& row, ReplyMessage& reply) const {
   reply.index = static_cast<uint32_t>(&row - parameters().data());
 }
 
-void LiveParameters::set(const ParameterMessage& message, Result& result) {
-  ReplyMessage& reply = result.message;
-  std::string complaint;
-  const Parameter* row = named_parameter(message.key, complaint);
-  const auto refuse = [&](Answer why, std::string_view text) {
-    reply.answer = why;
-    put(reply.text, text);
-  };
-  if (!row) return refuse(Answer::unknown, complaint);
-  const std::string before = row->get(config_);
-  describe(*row, reply);
-  Config changed = config_;
-  complaint = change(changed, *row, message.value);
-  if (!complaint.empty()) return refuse(Answer::refused, complaint);
-  if (row->when == When::restart)
-    return refuse(Answer::needs_restart, row->name() + " needs a restart: write it into vdisp.cfg and start vdispd again");
-  config_ = std::move(changed);
-  if (steps_.size() == most_steps) steps_.erase(steps_.begin());
-  steps_.push_back({row, before});
-  describe(*row, reply);
-  result.changed = row;
-  result.value = config_;
-}
-
 void LiveParameters::get(const ParameterMessage& message, Result& result) {
   ReplyMessage& reply = result.message;
   std::string complaint;
@@ -150,44 +139,6 @@ void LiveParameters::get(const ParameterMessage& message, Result& result) {
   }
   describe(*row, reply);
   put(reply.text, row->help);
-}
-
-/// The states before are gone through backwards, and each was checked as a whole.
-void LiveParameters::undo(Result& result) {
-  ReplyMessage& reply = result.message;
-  if (steps_.empty()) {
-    reply.answer = Answer::refused;
-    return put(reply.text, "nothing to undo: no parameter was set since the start, or all is undone");
-  }
-  const Step step = std::move(steps_.back());
-  steps_.pop_back();
-  step.row->set(config_, step.before);
-  describe(*step.row, reply);
-  result.changed = step.row;
-  result.value = config_;
-}
-
-/// What differs from the file: the values that set has changed for good.
-std::vector<std::pair<const Parameter*, std::string>> LiveParameters::changes() const {
-  std::vector<std::pair<const Parameter*, std::string>> values;
-  for (const Parameter& row : parameters())
-    if (row.get(saved_) != row.get(config_)) values.emplace_back(&row, row.get(config_));
-  return values;
-}
-
-void LiveParameters::save(Result& result) {
-  ReplyMessage& reply = result.message;
-  const auto values = changes();
-  std::string complaint;
-  if (file_.empty()) {
-    complaint = "the daemon was started without a vdisp.cfg: there is nothing to save to; start it with -c FILE";
-  } else if (!values.empty()) {
-    complaint = replace_config(file_, file_text_, rewritten(file_text_, values));
-  }
-  reply.answer = complaint.empty() ? Answer::done : Answer::failed;
-  if (complaint.empty()) saved_ = config_;
-  put(reply.value, file_.string());
-  put(reply.text, complaint.empty() ? std::to_string(values.size()) + " changed keys" : complaint);
 }
 
 }  // namespace vdisp

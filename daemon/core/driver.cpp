@@ -51,7 +51,7 @@ std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_
   }
   for (const std::string& topic : names) {
     const bool taken = std::any_of(topics_.begin(), topics_.end(), [&](const Topic& t) { return t.name == topic; });
-    if (taken || topic == "catalogue" || topic == "heartbeat")
+    if (taken || topic == "catalogue" || topic == "health" || topic == "heartbeat")
       throw FormatError("stage '" + topic + "': the name is taken; each topic has one");
   }
   std::vector<ImageSpec> out;
@@ -94,7 +94,9 @@ void Driver::connect(const OutletFactory& outlet) {
   }
   for (size_t i = 0; i < topics_.size(); ++i) slots_[i].outlet = outlet(topics_[i].name, topics_[i].spec);
   catalogue_ = outlet("catalogue", record_spec<Catalogue>());
+  health_ = outlet("health", record_spec<Health>());
   heartbeat_ = outlet("heartbeat", record_spec<Heartbeat>());
+  began_ns_ = monotonic_ns();
 }
 
 /// Its topic. `reader`: the stage that reads it.
@@ -130,6 +132,7 @@ void Driver::need_all() { need_all_ = true; }
 std::vector<Topic> Driver::published_topics() const {
   std::vector<Topic> all = topics_;
   all.push_back({"catalogue", record_spec<Catalogue>(), {}, -1});
+  all.push_back({"health", record_spec<Health>(), {}, -1});
   all.push_back({"heartbeat", record_spec<Heartbeat>(), {}, -1});
   return all;
 }
@@ -170,6 +173,7 @@ Outcome Driver::step() noexcept {
     const Outcome result = run(stages_[i]);
     if (result == Outcome::end) return Outcome::end;
     if (result == Outcome::invalid && stages_[i].inputs.empty()) outcome = Outcome::invalid;
+    if (i == 0) ledger_.pair(result == Outcome::valid ? stages_[0].out[0]->ready_ns : 0);
     publish_after(static_cast<int>(i));
   }
   for (Delayed& delayed : delayed_) {
@@ -193,6 +197,7 @@ Outcome Driver::run(Stage& stage) noexcept {
   for (size_t i = 0; i < stage.outputs.size(); ++i) {
     const int topic = stage.outputs[i];
     Image& image = slots_[topic].outlet->loan();
+    ++loans_;
     Image::make(&image, topics_[topic].spec);
     if (!stage.in.empty()) image.describe_like(*stage.in[0]);
     image.sequence = sequence_;
@@ -232,6 +237,7 @@ void Driver::publish(Slot& slot) noexcept {
     if (delayed.topic == topic) delayed.image->keep(*slot.image);
   }
   if (viewer_) viewer_(topics_[static_cast<size_t>(topic)], *slot.image);
+  if (topic == result_) ledger_.result(*slot.image, monotonic_ns());
   slot.image = nullptr;
   slot.outlet->publish();
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/core/ledger.h"
 #include "daemon/core/processor.h"
 #include "ipc/outlet.h"
 #include "ipc/records.h"
@@ -64,9 +65,16 @@ class Driver {
   /// back. Its name and `spec` are checked in connect(). It may be blind (no_last_image where nothing was made), which does not make its
   /// reader blind. Steps without a frame leave it as it is: its sequence tells its age.
   Handle last(const std::string& name, const ImageSpec& spec);
-  /// Gives each topic, and the driver's own `catalogue` and `heartbeat`, a way out. After this nothing allocates.
+  /// Gives each topic, and the driver's own `catalogue`, `health` and `heartbeat`, a way out. After this nothing allocates.
   /// Throws FormatError where what last() was asked for is not made, or is something else.
   void connect(const OutletFactory& outlet);
+  /// The topic that the rover drives by: its blindness, latency and deadline are counted (Health). The last one named holds.
+  void set_result(Handle result) { result_ = result.topic; }
+  /// Ledger::set_deadline(), from the next result on.
+  void set_deadline(int64_t of_exposure_ns, int64_t period_ns) noexcept { ledger_.set_deadline(of_exposure_ns, period_ns); }
+  /// Called once a second: adds to `health` what the driver does not know, just before it is published.
+  using Reporter = std::function<void(Health& health, const Catalogue& catalogue)>;
+  void set_reporter(Reporter reporter) { reporter_ = std::move(reporter); }
   /// Of all images from the next step on.
   void set_config_generation(uint64_t generation) noexcept { config_generation_ = generation; }
   /// The topic's stage runs in every step, watched or not. False: there is no such topic.
@@ -79,7 +87,7 @@ class Driver {
   uint64_t sequence() const { return sequence_; }
   /// One frame through the tree. invalid: the source had no frame, the step was blind.
   Outcome step() noexcept;
-  /// Publishes heartbeat and catalogue when they are due. Call between steps, and at least five times a second while waiting.
+  /// Publishes heartbeat, catalogue and health when they are due. Call between steps, and at least five times a second while waiting.
   void beat() noexcept;
 
   const std::vector<Topic>& topics() const { return topics_; }
@@ -108,6 +116,7 @@ class Driver {
   void publish(Slot& slot) noexcept;
   void publish_after(int stage) noexcept;
   void fill_catalogue(Catalogue& catalogue) const noexcept;
+  void fill_health(Health& health) const noexcept;
   int64_t period_ns() const noexcept;
   int find_delayed(const std::string& reader, Delayed& delayed);
   const std::string& name_of(Handle input) const;
@@ -119,11 +128,15 @@ class Driver {
   std::vector<Slot> slots_;  // one for each topic
   std::vector<Stage> stages_;
   std::vector<Delayed> delayed_;
-  std::unique_ptr<Outlet> catalogue_, heartbeat_;
+  std::unique_ptr<Outlet> catalogue_, health_, heartbeat_;
   Viewer viewer_;
+  Reporter reporter_;
+  Ledger ledger_;
+  int result_ = -1;
   bool need_all_ = false;
-  uint64_t steps_ = 0, blind_steps_ = 0;
+  uint64_t steps_ = 0, blind_steps_ = 0, loans_ = 0;
   uint64_t sequence_ = 0;  // of the next frame
+  int64_t began_ns_ = 0;   // connect()
   int64_t step_total_ns_ = 0, last_beat_ns_ = 0, last_catalogue_ns_ = 0;
   std::array<int64_t, 32> step_starts_{};  // of the last steps, a ring: the period is theirs, so that a pause is soon forgotten
 };

@@ -1,4 +1,4 @@
-// driver_report.cpp: what the driver tells of itself: heartbeat, catalogue, graph and profile.
+// driver_report.cpp: what the driver tells of itself: heartbeat, catalogue, health, graph and profile.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <iomanip>
@@ -46,6 +46,12 @@ void Driver::beat() noexcept {
     Catalogue& catalogue = make_record<Catalogue>(image);
     catalogue.period_ns = period;
     fill_catalogue(catalogue);
+    Image& losses = health_->loan();
+    stamp(losses, record_spec<Health>());
+    Health& health = make_record<Health>(losses);
+    fill_health(health);
+    if (reporter_) reporter_(health, catalogue);
+    health_->publish();
     catalogue_->publish();
   }
 }
@@ -76,6 +82,17 @@ void Driver::fill_catalogue(Catalogue& catalogue) const noexcept {
     entry.mean_ns = timing.runs ? timing.total_ns / static_cast<int64_t>(timing.runs) : 0;
     entry.max_ns = timing.max_ns;
   }
+}
+
+void Driver::fill_health(Health& health) const noexcept {
+  health.since_ns = began_ns_;
+  health.frames = steps_;
+  health.no_pair = blind_steps_;
+  health.loans = loans_;
+  health.drops = drops();
+  health.map_drops = result_ < 0 ? 0 : slots_[result_].outlet->drops();
+  health.config_generation = config_generation_;
+  ledger_.write(health);
 }
 
 StageTiming Driver::timing(Handle topic) const { return stages_.at(topics_.at(topic.topic).stage).timing; }

@@ -43,6 +43,11 @@ void start(int level, const std::string& program) {
 
 void set_level(int level) { spdlog::default_logger_raw()->set_level(levels[level]); }
 
+uint64_t lines_lost() {
+  const auto pool = spdlog::thread_pool();
+  return pool ? pool->overrun_counter() : 0;
+}
+
 void stop() { spdlog::shutdown(); }
 
 }  // namespace vdisp::log

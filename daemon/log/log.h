@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdint>
 #include <string>
 
 namespace vdisp::log {
@@ -13,6 +14,8 @@ namespace vdisp::log {
 void start(int level, const std::string& program = "vdispd");
 /// From here on; any thread, no wait.
 void set_level(int level);
+/// Lines given up since the start while the ring was full.
+uint64_t lines_lost();
 /// Writes what is waiting and ends the thread. Before start() and after this nothing is logged.
 void stop();
 

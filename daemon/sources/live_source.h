@@ -30,6 +30,7 @@ class LiveSource final : public StereoSource, public FrameTaker {
   std::optional<Calibration> calibration() const override { return calibration_; }
   /// The cameras' own pace: wait() ends when they deliver.
   int64_t period_ns() const override { return 0; }
+  int64_t pair_period_ns() const override { return period_ns_; }
   std::string_view fault() const noexcept override { return fault_; }
   bool wait(int timeout_ms) noexcept override;
   void close() noexcept override { stop(); }

@@ -24,6 +24,8 @@ class StereoSource : public ImageSource {
   virtual std::optional<Calibration> calibration() const = 0;
   /// From frame to frame; 0: as fast as possible.
   virtual int64_t period_ns() const = 0;
+  /// At which the next pair comes, whether it is waited for or not; 0: not known, or when this one is done.
+  virtual int64_t pair_period_ns() const { return period_ns(); }
   /// Where the last pair came from, left and right, for the dump; empty where images have no names.
   virtual std::pair<std::string, std::string> files() const { return {}; }
   /// What was wrong with the last pair, or why a recording ended early: file and what, in one line. Empty where nothing was.

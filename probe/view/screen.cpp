@@ -130,6 +130,10 @@ void draw_help(Picture& page, Box room) {
                                              {"s", "save the picture as PNG"},
                                              {"space", "freeze, and go on"},
                                              {"t", "tree of the stages"},
+                                             {"p", "sliders of the stage's parameters"},
+                                             {"Tab, + -, drag", "choose one, and change it"},
+                                             {"u, w", "undo; write to vdisp.cfg"},
+                                             {"a", "sliders of this stage, or all"},
                                              {"?", "this help"},
                                              {"q, Esc", "quit"}};
   const int height = static_cast<int>(std::size(lines)) * 22 + 24, width = 420;
@@ -174,12 +178,19 @@ std::string draw_stage(Picture& page, Box room, const ScreenState& state) {
 
 }  // namespace
 
+Box panel_room(int width, int height) {
+  const int panel_width = width >= 2 * tree_width ? tree_width : 0;
+  return {width - panel_width, bar_height, panel_width, std::max(height - foot_height - bar_height, 0)};
+}
+
 Picture draw_screen(const ScreenState& state, int width, int height) {
   Picture page(width, height, colours::background);
   draw_bar(page, state);
-  const bool tree = state.tree && width >= 2 * tree_width;
+  const bool panel = state.panel.open && panel_room(width, height).width > 0;
+  const bool tree = (state.tree || panel) && width >= 2 * tree_width;
   const int stage_width = width - (tree ? tree_width : 0), end = height - foot_height;
-  if (tree) draw_tree(page, {stage_width, bar_height, tree_width, end - bar_height}, state);
+  if (panel) draw_panel(page, panel_room(width, height), state.panel);
+  if (tree && !panel) draw_tree(page, {stage_width, bar_height, tree_width, end - bar_height}, state);
 
   std::vector<LegendItem> items;
   if (state.image && shown_entry(state)) items = legend(name_of(*shown_entry(state)), *state.image, state.style);

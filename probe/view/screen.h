@@ -7,6 +7,7 @@
 
 #include "ipc/include/vdisp/client.h"
 #include "probe/paint.h"
+#include "probe/view/panel.h"
 
 namespace vdisp {
 
@@ -24,8 +25,11 @@ struct ScreenState {
   PaintStyle style;
   bool tree = true, help = false, frozen = false;
   int mouse_x = -1, mouse_y = -1;
+  Panel panel;  ///< where it is open it stands in the tree's place
 };
 
+/// Where the panel of the sliders is in a window of this size; of width 0 where there is no room.
+Box panel_room(int width, int height);
 /// The whole window, width x height.
 Picture draw_screen(const ScreenState& state, int width, int height);
 

@@ -11,6 +11,7 @@
 #include "probe/frame_set.h"
 #include "probe/kept.h"
 #include "probe/view/screen.h"
+#include "probe/view/tuner.h"
 #include "probe/view/window.h"
 
 namespace vdisp {
@@ -23,7 +24,8 @@ constexpr milliseconds draw_period{33}, idle_period{250}, catalogue_period{1000}
 
 class Viewer {
  public:
-  Viewer(Client& client, const Options& options) : client_(client), window_("vdisp-probe " + options.name, 960, 620) {
+  Viewer(Client& client, const Options& options)
+      : client_(client), window_("vdisp-probe " + options.name, 960, 620), tuner_(options.control) {
     const std::string first = options.topics.empty() ? "" : options.topics.front();
     take_catalogue(first.empty() ? client.topics(Client::Time(1500)) : topics_of(client));
     if (!first.empty()) require(state_.entries, first);
@@ -47,11 +49,14 @@ class Viewer {
 
  private:
   void draw(Clock::time_point now) {
+    drag();
     if (now > message_until_) state_.message.clear();
     state_.image = kept_.get();
     state_.height = kept_height_.get();
     state_.mouse_x = window_.mouse_x();
     state_.mouse_y = window_.mouse_y();
+    if (state_.image) tuner_.follow(state_.image->config_generation);
+    state_.panel = tuner_.panel();
     window_.show(draw_screen(state_, window_.width(), window_.height()));
     drawn_ = now;
     changed_ = false;
@@ -70,8 +75,45 @@ class Viewer {
       case Input::tree: state_.tree = !state_.tree; return;
       case Input::help: state_.help = !state_.help; return;
       case Input::quit: quit_ = true; return;
-      case Input::moved: return;
+      case Input::moved: drag_waits_ = tuner_.dragging(); return;
+      case Input::pressed: return press();
+      case Input::released: drag(); return tuner_.let_go();
+      case Input::panel: return tuner_.open(!tuner_.panel().open);
+      default: return tune(input);
     }
+  }
+
+  void tune(Input input) {
+    if (!tuner_.panel().open) return tell("p shows the parameters first");
+    switch (input) {
+      case Input::next_slider: return tuner_.choose(1);
+      case Input::previous_slider: return tuner_.choose(-1);
+      case Input::more: return tuner_.step(1);
+      case Input::less: return tuner_.step(-1);
+      case Input::undo: return tell(tuner_.undo());
+      case Input::write: return tell(tuner_.save());
+      case Input::all_sliders: return tuner_.show_all(!tuner_.panel().everything);
+      default: return;
+    }
+  }
+
+  void tell(const std::string& text) {
+    state_.message = text;
+    message_until_ = Clock::now() + message_time;
+  }
+
+  /// In the panel a slider, elsewhere the next stage.
+  void press() {
+    const Box room = panel_room(window_.width(), window_.height());
+    if (!tuner_.panel().open || window_.mouse_x() < room.x) return step_stage(1);
+    if (const auto found = hit(room, tuner_.panel(), window_.mouse_x(), window_.mouse_y())) tuner_.press(found->slider, found->place);
+  }
+
+  /// However often the mouse moves, the daemon is asked once for each picture that is drawn.
+  void drag() {
+    if (!drag_waits_) return;
+    drag_waits_ = false;
+    tuner_.drag(place_along(panel_room(window_.width(), window_.height()), window_.mouse_x()));
   }
 
   /// First entry of each stage, in the order of the pipeline.
@@ -110,6 +152,7 @@ class Viewer {
   void show(int index) {
     const CatalogueEntry& entry = state_.entries[index];
     state_.shown = index;
+    tuner_.show(name_of(entry));
     window_.set_title(std::string(name_of(entry)) + " " + std::to_string(entry.spec.width) + "x" + std::to_string(entry.spec.height));
     if (name_of(entry) == topic_name_) return;
     if (topic_ >= 0) client_.unsubscribe(topic_);
@@ -220,12 +263,14 @@ class Viewer {
 
   Client& client_;
   Window window_;
+  Tuner tuner_;
   ScreenState state_;
   KeptImage kept_, kept_height_;
   Client::Topic topic_ = -1, height_ = -1;
   std::string topic_name_;
   int64_t seen_ready_ns_ = 0;
   bool quit_ = false, changed_ = true;
+  bool drag_waits_ = false;  // the mouse has moved with a slider
   Clock::time_point drawn_{}, catalogue_asked_{}, message_until_{}, rate_since_{};
   uint64_t rate_sequence_ = 0, rate_epoch_ = 0;
 };

@@ -33,6 +33,11 @@ std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
     case SDLK_s: return Input::save;
     case SDLK_SPACE: return Input::freeze;
     case SDLK_t: return Input::tree;
+    case SDLK_p: return Input::panel;
+    case SDLK_TAB: return key.keysym.mod & KMOD_SHIFT ? Input::previous_slider : Input::next_slider;
+    case SDLK_u: return Input::undo;
+    case SDLK_w: return Input::write;
+    case SDLK_a: return Input::all_sliders;
     case SDLK_F1:
     case SDLK_h: return Input::help;
     default: return {};
@@ -87,12 +92,18 @@ std::optional<Input> Window::wait(int limit_ms) {
       case SDL_KEYDOWN:
         if (const auto input = key_input(event.key)) return input;
         break;
-      case SDL_TEXTINPUT:  // '?' sits on another key on each keyboard
+      case SDL_TEXTINPUT:  // '?', '+' and '-' sit on another key on each keyboard
         if (event.text.text[0] == '?') return Input::help;
+        if (event.text.text[0] == '+') return Input::more;
+        if (event.text.text[0] == '-') return Input::less;
         break;
       case SDL_MOUSEBUTTONDOWN:
-        if (event.button.button == SDL_BUTTON_LEFT) return Input::next_stage;
+        implementation_->x = event.button.x, implementation_->y = event.button.y;
+        if (event.button.button == SDL_BUTTON_LEFT) return Input::pressed;
         if (event.button.button == SDL_BUTTON_RIGHT) return Input::previous_stage;
+        break;
+      case SDL_MOUSEBUTTONUP:
+        if (event.button.button == SDL_BUTTON_LEFT) return Input::released;
         break;
       case SDL_MOUSEWHEEL:
         if (event.wheel.y != 0) return event.wheel.y < 0 ? Input::next_image : Input::previous_image;

@@ -10,7 +10,29 @@
 
 namespace vdisp {
 
-enum class Input { next_stage, previous_stage, next_image, previous_image, palette, save, freeze, tree, help, quit, moved };
+enum class Input {
+  next_stage,
+  previous_stage,
+  next_image,
+  previous_image,
+  palette,
+  save,
+  freeze,
+  tree,
+  help,
+  quit,
+  moved,     ///< the mouse, or it left
+  pressed,   ///< its left button, at mouse_x(), mouse_y()
+  released,  ///< the same
+  panel,
+  next_slider,
+  previous_slider,
+  more,
+  less,
+  undo,
+  write,
+  all_sliders
+};
 
 class Window {
  public:

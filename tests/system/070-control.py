@@ -185,15 +185,19 @@ class Control(ProgramTest):
         self.assertIn("\nminCount = 7\n", printed)
         self.assertIn("\nmax_height = 0.3\n", printed)
 
-    def test_save_refuses_a_file_that_changed_a_folder_that_is_gone_and_no_file(self):
+    def test_save_goes_before_another_hand_and_refuses_a_file_with_faults_a_folder_that_is_gone_and_no_file(self):
         config = self.folder / "sub" / "vdisp.cfg"
         config.parent.mkdir()
         config.write_text("[Map]\nminCount = 5\n")
         daemon = self.start("-c", config)
         self.probe("set", "minCount", "7")
         config.write_text("[Map]\nminCount = 5\n# another hand\n")
-        self.assertIn("was changed since", self.probe("save", code=73))
-        self.assertEqual(config.read_text(), "[Map]\nminCount = 5\n# another hand\n")
+        self.probe("save")
+        self.assertEqual(config.read_text(), "[Map]\nminCount = 7\n# another hand\n")
+        self.probe("set", "minCount", "8")
+        config.write_text("[Map]\nminCount = 7\nminCont = 5\n")
+        self.assertIn("fault", self.probe("save", code=73))
+        self.assertEqual(config.read_text(), "[Map]\nminCount = 7\nminCont = 5\n")
         config.unlink()
         self.assertIn("cannot be read", self.probe("save", code=73))
         daemon.__exit__()

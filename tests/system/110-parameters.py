@@ -3,6 +3,7 @@
 
 SPDX-License-Identifier: Apache-2.0
 """
+import json
 import os
 import pathlib
 import re
@@ -111,8 +112,8 @@ class Parameters(DriveProofs, ProgramTest):
             with Running("vdispd", *sets, "--set", f"main.threads={count}") as daemon:
                 return wait_until(lambda: len(os.listdir(f"/proc/{daemon.process.pid}/task")) >= threads, 3)
         if os.cpu_count() > 1:  # on one core more threads show nothing
-            self.assertFalse(grows_to(1, 3))  # the loop and the log
-            self.assertTrue(grows_to(4, 3))
+            self.assertFalse(grows_to(1, 4))  # the loop, the log and the parameters
+            self.assertTrue(grows_to(4, 4))
         one, four = (self.dump(f"main.threads={count}") for count in (1, 4))
         numpy.testing.assert_array_equal(one.picture("disparity"), four.picture("disparity"))
 
@@ -176,6 +177,26 @@ class Parameters(DriveProofs, ProgramTest):
         self.assertLess(self.scheduled("main.lockMemory=no", "main.debug=1")[1], 1000)
         self.assertGreater(self.scheduled("main.lockMemory=yes", "main.debug=1")[1], 20000)
         self.assert_refused(self.refused_to_nobody("main.lockMemory=yes"), 77, "[main] lockMemory = yes", "LimitMEMLOCK")
+    def test_main_deadline(self):
+        # The pair's way through the tree takes longer than a hundredth of a millisecond, and less than a minute.
+        misses = {}
+        for deadline in (0.01, 60000):
+            with Running("vdispd", "--sim", "--set", f"main.deadline={deadline}", "--set", "sim.rate=20", "--set", "sim.width=320",
+                         "--set", "sim.height=240"):
+                def health():
+                    told = run("vdisp-probe", "stats", "--once", "--json")
+                    return json.loads(told.stdout)["health"] if told.returncode == 0 else {}
+                self.assertTrue(wait_until(lambda: health().get("frames", 0) > 10, 15))
+                misses[deadline] = health()["deadline_misses"]
+                self.assertEqual(health()["deadline_ms"], deadline)
+        self.assertGreater(misses[0.01], 10)
+        self.assertEqual(misses[60000], 0)
+
+    def test_main_metrics(self):
+        file = self.folder / "vdisp.prom"
+        self.dump(f"main.metrics={file}")
+        self.assertIn("vdisp_up", file.read_text())
+        self.assert_refused(run("vdispd", "--sim", "--set", "main.metrics=/dev/null/x", "--frames", 1), 73, "/dev/null/x")
 
     # [image source]
     def files(self, *sets, frames=1):

@@ -396,6 +396,52 @@ class View(ProgramTest):
             self.do("key", "q")
             self.assertEqual(view.process.wait(5), 0, view.text())
 
+    def test_sliders_change_the_running_daemon_and_undo_and_write(self):
+        config = self.folder / "vdisp.cfg"
+        config.write_text("# mine\n[image source]\nthresh = 10  ; texture\n")
+        small = [word for setting in ("sim.width=320", "sim.height=240", "image source.ndisp=32", "sim.rate=20") for word in ("--set", setting)]
+
+        def value(key="thresh"):
+            return json.loads(run("vdisp-probe", "get", key, "--json").stdout)["value"]
+
+        def becomes(wanted, key="thresh"):
+            self.assertTrue(wait_until(lambda: value(key) == wanted, 5), f"{key} = {value(key)}, not {wanted}")
+        with Running("vdispd", "--sim", "-c", config, *small, stdout=subprocess.DEVNULL) as daemon:
+            view = self.start("--stage", "disparity")
+            live = [key["key"] for key in json.loads(run("vdisp-probe", "get", "--json").stdout) if key["live"]]
+            own = [key for key in live if key.startswith("image source.")]
+            place = own.index("image source.thresh")
+            self.do("key", "plus")  # no panel yet: nothing is changed
+            self.do("key", "p")
+            time.sleep(1)
+            self.assertEqual(value(), "10")
+            for _ in range(place):
+                self.do("key", "Tab")
+            self.do("key", "plus")
+            becomes("11")
+            self.do("key", "plus")
+            becomes("12")
+            self.do("key", "minus")
+            becomes("11")
+            self.do("key", "u")
+            becomes("12")
+            # The panel is 296 px wide, its rows are 38 px high and begin below 60 px; bars leave 10 px to both sides.
+            window = self.do("search", "--name", "[0-9]x[0-9]").split()[0]
+            x, y = 960 - 296 + 10, 60 + 38 * place + 27
+            self.do("mousemove", "--window", window, x + 3, y, "mousedown", 1)
+            for step in range(1, 6):
+                self.do("mousemove", "--window", window, x + 276 * step // 10, y)
+                time.sleep(0.1)
+            self.do("mouseup", 1)
+            becomes("20")
+            self.do("key", "u")
+            becomes("12")  # the whole way is one step
+            self.do("key", "w")
+            self.assertTrue(wait_until(lambda: "thresh = 12  ; texture" in config.read_text(), 5), config.read_text())
+            self.assertIn("thresh: 10 -> 11 (control socket, by process", daemon.text())
+            self.do("key", "q")
+            self.assertEqual(view.process.wait(5), 0, view.text())
+
     def test_it_outlives_the_daemon_and_finds_the_next_one(self):
         with Running("vdisp-publish", stdout=subprocess.DEVNULL) as daemon:
             view = self.start("--stage", "map")

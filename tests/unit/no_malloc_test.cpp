@@ -82,7 +82,7 @@ TEST_P(NoMallocTest, the_loop_takes_nothing_from_the_heap_with_every_stage_on) {
   driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
   driver.need_all();
   driver.set_viewer([&](const Topic& topic, const Image& image) { edges.see(topic, image); });
-  CommandSocket control(config, {}, inputs, [](std::string_view line) { log::warn("{}", line); });
+  CommandSocket control(config, {}, inputs, true, [](std::string_view line, bool) { log::warn("{}", line); });
   Talker talker(config.control.socket);
   const auto serve = [&](int step) {
     talker.say(step);

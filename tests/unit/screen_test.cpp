@@ -1,5 +1,5 @@
-// screen_test.cpp: the window's picture holds at any size and state, and the tree at any catalogue.
-// SPDX-License-Identifier: Apache-2.0
+// screen_test.cpp: the window's picture holds at any size and state, the sliders are found under the mouse, and the tree holds at any
+// catalogue. SPDX-License-Identifier: Apache-2.0
 #include "probe/view/screen.h"
 
 #include <gtest/gtest.h>
@@ -102,6 +102,70 @@ TEST_F(Screen, blind_stale_dead_and_fresh_look_different_and_frozen_says_so) {
   pages.push_back(draw_screen(state_, 900, 600));
   for (size_t a = 0; a < pages.size(); ++a)
     for (size_t b = 0; b < a; ++b) EXPECT_FALSE(same(pages[a], pages[b])) << a << " and " << b;
+}
+
+class PanelTest : public testing::Test {
+ protected:
+  PanelTest() {
+    state_.panel.open = true;
+    for (const char* key : {"thresh", "unique", "SpeckleSize"})
+      state_.panel.sliders.push_back(*Slider::of({key, "10", "10", "a number from 0 to 40 [-]", "-", "what it does", true, 0, 0}));
+  }
+  ScreenState state_;
+};
+
+TEST_F(PanelTest, holds_at_any_size) {
+  for (int width : {1, 360, 592, 960, 1500})
+    for (int height : {1, 60, 280, 620}) {
+      for (size_t chosen : {size_t{0}, size_t{2}, size_t{99}}) {
+        state_.panel.chosen = chosen;
+        EXPECT_EQ(draw_screen(state_, width, height).width(), width);
+      }
+    }
+}
+
+TEST_F(PanelTest, value_choice_and_trouble_are_seen) {
+  const Picture usual = draw_screen(state_, 960, 620);
+  state_.panel.chosen = 1;
+  const Picture chosen = draw_screen(state_, 960, 620);
+  EXPECT_FALSE(same(usual, chosen));
+  ParameterInfo info = state_.panel.sliders[1].info();
+  info.value = "33";
+  state_.panel.sliders[1].take(info);
+  const Picture other = draw_screen(state_, 960, 620);
+  EXPECT_FALSE(same(chosen, other));
+  state_.panel.trouble = "nobody listens";
+  EXPECT_FALSE(same(other, draw_screen(state_, 960, 620)));
+  state_.panel.open = false;
+  EXPECT_FALSE(same(usual, draw_screen(state_, 960, 620)));
+}
+
+TEST_F(PanelTest, the_mouse_finds_each_slider_once_from_its_least_to_its_greatest) {
+  const Box room = panel_room(960, 620);
+  std::set<size_t> found;
+  for (int y = 0; y < 620; ++y) {
+    EXPECT_FALSE(hit(room, state_.panel, room.x - 1, y)) << "that is the stage";
+    const auto left = hit(room, state_.panel, room.x, y), right = hit(room, state_.panel, 959, y);
+    ASSERT_EQ(left.has_value(), right.has_value());
+    if (!left) continue;
+    found.insert(left->slider);
+    EXPECT_EQ(left->place, 0);
+    EXPECT_EQ(right->place, 1);
+  }
+  EXPECT_EQ(found, (std::set<size_t>{0, 1, 2}));
+  EXPECT_NEAR(place_along(room, room.x + room.width / 2), 0.5, 0.01);
+}
+
+TEST_F(PanelTest, a_chosen_one_below_the_others_is_brought_into_view) {
+  for (int i = 0; i < 30; ++i) state_.panel.sliders.push_back(state_.panel.sliders[0]);
+  state_.panel.chosen = state_.panel.sliders.size() - 1;
+  const Box room = panel_room(960, 620);
+  bool seen = false;
+  for (int y = 0; y < 620; ++y) {
+    const auto found = hit(room, state_.panel, room.x + 5, y);
+    seen |= found && found->slider == state_.panel.chosen;
+  }
+  EXPECT_TRUE(seen);
 }
 
 TEST(Tree, each_stage_stands_once_below_its_first_input_and_names_the_others) {

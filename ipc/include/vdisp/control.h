@@ -74,6 +74,8 @@ class Control {
 
   /// `key`: SECTION.KEY, or KEY where one section has it. `info` tells what holds now.
   Result set(std::string_view key, std::string_view value, ParameterInfo* info = nullptr);
+  /// As set(), for a slider that moves: with the set() or adjust() of the same key before, by this connection, it is one step for undo().
+  Result adjust(std::string_view key, std::string_view value, ParameterInfo* info = nullptr);
   Result get(std::string_view key, ParameterInfo& info);
   /// All, in the order of vdisp.cfg.
   Result get_all(std::vector<ParameterInfo>& all);

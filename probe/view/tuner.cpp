@@ -1,0 +1,144 @@
+// tuner.cpp: which parameters, and the control socket behind them.
+// SPDX-License-Identifier: Apache-2.0
+#include "probe/view/tuner.h"
+
+#include <algorithm>
+
+namespace vdisp {
+namespace {
+
+struct Part {
+  std::string_view topics;    // separated by blanks; one that ends with * is a beginning
+  std::string_view sections;  // separated by |
+};
+
+/// From the stage to what changes it most: its own section, and where it rests on the mounting, that.
+constexpr Part parts[] = {
+    {"camera/*", "main"},
+    {"left right disparity", "image source"},
+    {"vdisparity floor floor_model show_floor segments", "Floor|mounting"},
+    {"limit show_limit obstacles segment_obstacles height surface standing hanging", "Limit obstacle|Floor"},
+    {"map occupancy reason map_changes show_scene", "Limit obstacle|Map|mounting"},
+    {"memory tracks fused*", "Memory"},
+    {"in/*", "control"},
+};
+
+bool among(std::string_view list, char between, std::string_view word) {
+  while (!list.empty()) {
+    const std::string_view entry = list.substr(0, list.find(between));
+    list.remove_prefix(std::min(entry.size() + 1, list.size()));
+    if (entry == word || (entry.ends_with('*') && word.starts_with(entry.substr(0, entry.size() - 1)))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool concerns(std::string_view topic, std::string_view key) {
+  for (const Part& part : parts)
+    if (among(part.topics, ' ', topic)) return among(part.sections, '|', key.substr(0, key.rfind('.')));
+  return true;
+}
+
+void Tuner::open(bool on) {
+  panel_.open = on;
+  dragging_ = false;
+  if (on) ask();
+}
+
+void Tuner::show(std::string_view topic) {
+  if (topic == topic_) return;
+  topic_ = topic;
+  pick();
+}
+
+void Tuner::show_all(bool on) {
+  everything_ = on;
+  pick();
+}
+
+void Tuner::ask() {
+  std::vector<ParameterInfo> found;
+  all_.clear();
+  panel_.trouble.clear();
+  if (control_.get_all(found) != Control::Result::done) panel_.trouble = control_.message();
+  for (const ParameterInfo& info : found) {
+    generation_ = std::max(generation_, info.config_generation);
+    if (const auto slider = Slider::of(info); slider && info.key != "Map.angRot") all_.push_back(*slider);
+  }
+  pick();
+}
+
+void Tuner::pick() {
+  const std::string chosen = panel_.chosen < panel_.sliders.size() ? panel_.sliders[panel_.chosen].info().key : "";
+  panel_.sliders.clear();
+  panel_.chosen = 0;
+  panel_.everything = everything_;
+  dragging_ = false;
+  for (const Slider& slider : all_) {
+    if (!everything_ && !concerns(topic_, slider.info().key)) continue;
+    if (slider.info().key == chosen) panel_.chosen = panel_.sliders.size();
+    panel_.sliders.push_back(slider);
+  }
+}
+
+void Tuner::choose(int by) {
+  const auto count = static_cast<int>(panel_.sliders.size());
+  if (count > 0) panel_.chosen = static_cast<size_t>((static_cast<int>(panel_.chosen) + by + count) % count);
+}
+
+void Tuner::step(int by) {
+  if (panel_.chosen >= panel_.sliders.size()) return;
+  Slider& slider = panel_.sliders[panel_.chosen];
+  set(slider, slider.moved(by), false);
+}
+
+void Tuner::press(size_t index, double place) {
+  if (index >= panel_.sliders.size()) return;
+  panel_.chosen = index;
+  dragging_ = true;
+  joined_ = false;
+  drag(place);
+}
+
+void Tuner::drag(double place) {
+  if (!dragging_ || panel_.chosen >= panel_.sliders.size()) return;
+  Slider& slider = panel_.sliders[panel_.chosen];
+  const std::string value = slider.at(place);
+  if (value == slider.info().value) return;
+  set(slider, value, joined_);
+  joined_ = true;
+}
+
+void Tuner::set(Slider& slider, const std::string& value, bool joined) {
+  if (value == slider.info().value) return;
+  ParameterInfo info;
+  const Control::Result result = joined ? control_.adjust(slider.info().key, value, &info) : control_.set(slider.info().key, value, &info);
+  panel_.trouble = result == Control::Result::done ? "" : control_.message();
+  if (result != Control::Result::done) return;
+  generation_ = info.config_generation;
+  info.help = slider.info().help;  // an answer to set has none
+  slider.take(info);
+  for (Slider& known : all_)
+    if (known.info().key == info.key) known.take(info);
+}
+
+std::string Tuner::undo() {
+  ParameterInfo info;
+  if (control_.undo(&info) != Control::Result::done) return control_.message();
+  ask();
+  return "undone: " + (info.help.empty() ? info.key + " = " + info.value : info.help);
+}
+
+std::string Tuner::save() {
+  const Control::Result result = control_.save();
+  return result == Control::Result::done ? "written: " + control_.message() : control_.message();
+}
+
+void Tuner::follow(uint64_t config_generation) {
+  if (!panel_.open || dragging_ || config_generation <= generation_) return;
+  ask();
+  generation_ = std::max(generation_, config_generation);
+}
+
+}  // namespace vdisp
