@@ -4,6 +4,7 @@
 
 #include "daemon/control/republish.h"
 #include "daemon/sources/camera_report.h"
+#include "daemon/stages/calibration_watch.h"
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/floor.h"
 #include "daemon/stages/fused_map.h"
@@ -82,6 +83,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
     driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
     driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
   }
+  driver.add("row_error", make_unique<CalibrationWatcher>(config), {left, right, disparity}, Need::always);
   stereo.add_truth(driver, camera[0]);
 }
 

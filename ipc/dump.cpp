@@ -122,6 +122,7 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (const MapChanges* changes = record_of<MapChanges>(image)) json_->records[topic] = changes_json(*changes);
   if (const Memory* memory = record_of<Memory>(image)) json_->records[topic] = memory_json(*memory);
   if (const Tracks* tracks = record_of<Tracks>(image)) json_->records[topic] = tracks_json(*tracks);
+  if (const CalibrationWatch* watch = record_of<CalibrationWatch>(image)) json_->records["row_error"] = watch_json(*watch);
   if (const CameraStatus* cameras = record_of<CameraStatus>(image)) json_->records["camera_status"] = cameras_json(*cameras);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);
 }

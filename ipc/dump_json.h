@@ -23,6 +23,8 @@ nlohmann::ordered_json memory_json(const Memory& memory);
 nlohmann::ordered_json tracks_json(const Tracks& tracks);
 /// `camera/status`, as the member `camera_status`.
 nlohmann::ordered_json cameras_json(const CameraStatus& status);
+/// `row_error`.
+nlohmann::ordered_json watch_json(const CalibrationWatch& watch);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);
 nlohmann::ordered_json grid_json(const GridGeometry& grid);
 

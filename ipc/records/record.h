@@ -24,6 +24,7 @@ enum class RecordType : uint16_t {
   decision = 14,
   drive_command = 15,
   cross_check = 16,
+  calibration_watch = 17,
 };
 
 /// First member of each record: what it is, so that a reader can refuse what it does not know.
