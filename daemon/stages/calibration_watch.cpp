@@ -12,13 +12,13 @@ namespace vdisp {
 namespace {
 
 constexpr int columns = 8, rows = 6, cells = columns * rows, cells_a_frame = 10, stride = 19;  // 19 has no factor in common with 48
-constexpr int most_tries = 24, compared = 3;                  // pixels in a cell until so many have a disparity; the best of these is looked at
-constexpr float least_strength = 16;      // gradients of 4 grey levels in every direction: three times the noise of a usual camera
-constexpr int even = 4, most_uneven = 24;  // px around; 1/16 px: 1.5 px, what a floor at a flat angle has
+constexpr int most_tries = 24, compared = 3;  // pixels in a cell until so many have a disparity; the best of these is looked at
+constexpr float least_strength = 16;          // gradients of 4 grey levels in every direction: three times the noise of a usual camera
+constexpr int even = 4, most_uneven = 24;     // px around; 1/16 px: 1.5 px, what a floor at a flat angle has
 constexpr int64_t longest_window = 20'000'000'000;  // ns
 constexpr int least_points = 128, points_a_verdict = 32;
-constexpr double sure = 3;      // standard deviations
-constexpr double again = 0.8;   // of the limit: below it the calibration is good again
+constexpr double sure = 3;     // standard deviations
+constexpr double again = 0.8;  // of the limit: below it the calibration is good again
 
 /// A disparity whose surroundings have about the same: no edge of something nearer is in the window.
 bool confident(const Image& disparity, int u, int v) {
@@ -47,7 +47,8 @@ std::vector<ImageSpec> CalibrationWatcher::check(std::span<const ImageSpec> in) 
 
 void CalibrationWatcher::look_in(int cell, const Image& left, const Image& right, const Image& disparity) noexcept {
   const int width = left.spec.width, height = left.spec.height;
-  const int left_edge = std::max(cell % columns * width / columns, row_error_border), top = std::max(cell / columns * height / rows, row_error_border);
+  const int left_edge = std::max(cell % columns * width / columns, row_error_border),
+            top = std::max(cell / columns * height / rows, row_error_border);
   const int across = std::min((cell % columns + 1) * width / columns, width - row_error_border) - left_edge,
             down = std::min((cell / columns + 1) * height / rows, height - row_error_border) - top;
   if (across <= 0 || down <= 0) return;
@@ -65,7 +66,8 @@ void CalibrationWatcher::look_in(int cell, const Image& left, const Image& right
   const auto error = row_error(left, right, u, v, static_cast<float>(disparity.row<int16_t>(v)[u]) / 16);
   if (!error) return;
   const bool calibrated = left.camera.f > 0;
-  const float cx = calibrated ? left.camera.cx : static_cast<float>(width) / 2, cy = calibrated ? left.camera.cy : static_cast<float>(height) / 2;
+  const float cx = calibrated ? left.camera.cx : static_cast<float>(width) / 2,
+              cy = calibrated ? left.camera.cy : static_cast<float>(height) / 2;
   points_.add({static_cast<float>(u) - cx, static_cast<float>(v) - cy, *error, left.timestamp_ns});
   ++unjudged_;
 }

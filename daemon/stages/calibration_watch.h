@@ -30,7 +30,7 @@ class CalibrationWatcher final : public ImageProcessor {
   RowLine line_;
   CalibrationState state_ = CalibrationState::measuring;
   uint64_t drifts_ = 0;
-  int cell_ = 0;    // where the last frame stopped
+  int cell_ = 0;      // where the last frame stopped
   int unjudged_ = 0;  // points since the last verdict
   std::minstd_rand chance_{1};
 };

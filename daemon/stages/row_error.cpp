@@ -72,7 +72,8 @@ void sample(const Image& right, float x, float y, std::array<float, pixels>& out
   const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
   const float a = (1 - fx) * (1 - fy), b = fx * (1 - fy), c = (1 - fx) * fy, d = fx * fy;
   for (int i = 0; i < side; ++i) {
-    const uint8_t *here = right.row<uint8_t>(row - half + i) + column - half, *below = right.row<uint8_t>(row - half + i + 1) + column - half;
+    const uint8_t *here = right.row<uint8_t>(row - half + i) + column - half,
+                  *below = right.row<uint8_t>(row - half + i + 1) + column - half;
     for (int k = 0; k < side; ++k) out[i * side + k] = a * here[k] + b * here[k + 1] + c * below[k] + d * below[k + 1];
   }
   remove_mean(out);

@@ -26,7 +26,9 @@ struct Normal {
 struct Plane {
   double shift = 0, across = 0, down = 0;
   double var_shift = 0, var_across = 0;  // of noise 1
-  double left_over(const RowPoint& p) const { return static_cast<double>(p.rows) - shift - across * static_cast<double>(p.x) - down * static_cast<double>(p.y); }
+  double left_over(const RowPoint& p) const {
+    return static_cast<double>(p.rows) - shift - across * static_cast<double>(p.x) - down * static_cast<double>(p.y);
+  }
 };
 
 /// The inverse of a symmetric 3x3 matrix by its minors. A ridge of one pixel keeps points that lie on one spot or line from dividing by 0.

@@ -18,9 +18,9 @@ struct RowPoint {
 /// by a shift everywhere alike, by a rotation about the view in proportion to x. The third takes up what another f would do.
 struct RowLine {
   int points = 0;
-  double median = 0, p90 = 0;                         ///< of |rows|, px
-  double shift = 0, rotation = 0;                     ///< px, rad
-  double shift_deviation = 0, rotation_deviation = 0; ///< standard deviations by what is left over
+  double median = 0, p90 = 0;                          ///< of |rows|, px
+  double shift = 0, rotation = 0;                      ///< px, rad
+  double shift_deviation = 0, rotation_deviation = 0;  ///< standard deviations by what is left over
 };
 
 /// The newest points, as many as fit. Fixed memory; nothing here allocates.

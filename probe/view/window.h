@@ -4,17 +4,24 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "probe/picture.h"
 
 namespace vdisp {
 
-enum class Input { next_stage, previous_stage, next_image, previous_image, palette, save, freeze, tree, help, quit, moved };
+enum class Input { next_stage, previous_stage, next_image, previous_image, palette, save, space, undo, tree, help, quit, moved };
+
+/// There is no display, or it gives no window: why, in one line.
+class NoWindow : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 class Window {
  public:
-  /// Throws ProbeError (69) where there is no display.
+  /// Throws NoWindow.
   Window(const std::string& title, int width, int height);
   ~Window();
   Window(const Window&) = delete;

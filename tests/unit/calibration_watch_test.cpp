@@ -142,7 +142,8 @@ TEST_F(RealSets, robot_indoor) {
   expect_good("robot_indoor/robotL.mp4", "robot_indoor/robotR.mp4", "robot_indoor/calibration.yml", 15, 48, 228);
 }
 TEST_F(RealSets, rover_minnie) {
-  expect_good("rover_minnie/rectified/left/*.png", "rover_minnie/rectified/right/*.png", "rover_minnie/rectified/calibration.yml", 10, 128, 60);
+  expect_good("rover_minnie/rectified/left/*.png", "rover_minnie/rectified/right/*.png", "rover_minnie/rectified/calibration.yml", 10, 128,
+              60);
 }
 TEST_F(RealSets, rover_minnie_raw) {
   expect_good("rover_minnie/raw/left/*.png", "rover_minnie/raw/right/*.png", "rover_minnie/raw/calibration_opencv.yml", 10, 192, 40);
