@@ -163,18 +163,20 @@ class Capture {
       teller_.line(state(*collector_, wanted_) + "  " + name + " taken");
       draw(name + " taken");
     } else {
-      tell_now(words(look) + (collector_->missing().empty() ? "" : "; next: " + collector_->missing()));
+      tell_now(words(look), collector_->missing().empty() ? "" : "; next: " + collector_->missing());
     }
   }
-  void tell_now(const std::string& what) {
-    teller_.now(state(*collector_, wanted_) + "  " + what);
+  /// `next` in the terminal alone: the window shows it.
+  void tell_now(const std::string& what, const std::string& next = {}) {
+    teller_.now(state(*collector_, wanted_) + "  " + what + next);
     draw(what);
   }
   void draw(const std::string& message) {
     if (!window_) return;
     CaptureScreen screen;
     if (!views_[0].empty()) screen.views = views_;
-    screen.boards[0] = &boards_[0], screen.boards[1] = &boards_[1];
+    screen.board = &board_;
+    screen.seen[0] = &boards_[0], screen.seen[1] = &boards_[1];
     screen.collector = &*collector_;
     screen.wanted = wanted_;
     screen.message = message;

@@ -5,14 +5,17 @@
 #include <sysexits.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "daemon/tools/calibrate/words.h"
 
 namespace vdisp::calibrate {
 namespace {
 
-constexpr Colour background{18, 20, 24}, panel{30, 33, 39}, ink{222, 226, 232}, dim{140, 148, 160}, good{96, 200, 120}, wanting{208, 150, 60},
-    found{80, 220, 255}, before{110, 120, 190};
+constexpr Colour background{18, 20, 24}, panel{30, 33, 39}, ink{222, 226, 232}, dim{140, 148, 160}, good{96, 200, 120},
+    wanting{208, 150, 60}, found{80, 220, 255}, before{110, 120, 190};
 constexpr int bar = 30, margin = 10, below = 150;
 
 Picture picture_of_view(const cv::Mat& view) {
@@ -26,7 +29,8 @@ Picture picture_of_view(const cv::Mat& view) {
 }
 
 /// One view in its room, with the corners found in it; over the left one also where boards were.
-void draw_view(Picture& page, Box room, const cv::Mat& view, const BoardView* board, const ViewCollector* outlines) {
+void draw_view(Picture& page, Box room, const cv::Mat& view, const BoardView* seen, const std::vector<std::pair<int, int>>& neighbours,
+               const ViewCollector* outlines) {
   const Box box = fitted(view.cols, view.rows, room);
   page.draw(picture_of_view(view), box);
   const double scale = static_cast<double>(box.width) / view.cols;
@@ -38,10 +42,14 @@ void draw_view(Picture& page, Box room, const cv::Mat& view, const BoardView* bo
         const cv::Point2f &a = taken.outline[i], &b = taken.outline[(i + 1) % 4];
         page.line(x(a), y(a), x(b), y(b), before);
       }
-  if (!board || board->empty()) return;
-  for (size_t i = 1; i < board->corners.size(); ++i)
-    page.line(x(board->corners[i - 1]), y(board->corners[i - 1]), x(board->corners[i]), y(board->corners[i]), found);
-  for (const cv::Point2f& corner : board->corners) page.frame({static_cast<int>(x(corner)) - 2, static_cast<int>(y(corner)) - 2, 5, 5}, wanting);
+  if (!seen || seen->empty()) return;
+  std::map<int, cv::Point2f> corners;
+  for (size_t i = 0; i < seen->ids.size(); ++i) corners[seen->ids[i]] = seen->corners[i];
+  for (const auto& [one, other] : neighbours)
+    if (const auto a = corners.find(one), b = corners.find(other); a != corners.end() && b != corners.end())
+      page.line(x(a->second), y(a->second), x(b->second), y(b->second), found);
+  for (const cv::Point2f& corner : seen->corners)
+    page.frame({static_cast<int>(x(corner)) - 2, static_cast<int>(y(corner)) - 2, 5, 5}, wanting);
 }
 
 /// The nine parts of the image: how many corners each has seen, green where that is enough.
@@ -74,12 +82,13 @@ Picture draw_capture(const CaptureScreen& screen, int width, int height) {
   page.fill({0, 0, width, bar}, panel);
   page.text(margin, 7, screen.message, ink);
   const std::string keys = "space take   u undo   q quit";
-  page.text(width - Picture::text_width(keys) - margin, 7, keys, dim);
+  page.text(width - Picture::text_width(keys) - margin, height - below, keys, dim);
   const int half = (width - 3 * margin) / 2, end = height - below;
+  const auto neighbours = screen.board ? screen.board->neighbours() : std::vector<std::pair<int, int>>();
   if (screen.views)
     for (int i : {0, 1})
-      draw_view(page, {margin + i * (half + margin), bar + margin, half, std::max(end - bar - 2 * margin, 16)}, screen.views[i], screen.boards[i],
-                i == 0 ? screen.collector : nullptr);
+      draw_view(page, {margin + i * (half + margin), bar + margin, half, std::max(end - bar - 2 * margin, 16)}, screen.views[i],
+                screen.seen[i], neighbours, i == 0 ? screen.collector : nullptr);
   if (!screen.collector) return page;
   draw_cells(page, margin, end, *screen.collector);
   draw_poses(page, margin + 190, end, *screen.collector);

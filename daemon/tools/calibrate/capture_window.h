@@ -13,8 +13,9 @@ namespace vdisp::calibrate {
 
 /// One moment of a capture.
 struct CaptureScreen {
-  const cv::Mat* views = nullptr;          ///< left, right, gray8; null: no pair yet
-  const BoardView* boards[2] = {};         ///< as found in them, or null
+  const cv::Mat* views = nullptr;  ///< left, right, gray8; null: no pair yet
+  const Board* board = nullptr;    ///< what is looked for
+  const BoardView* seen[2] = {};   ///< as found in the views, or null
   const ViewCollector* collector = nullptr;
   size_t wanted = 0;
   std::string message;  ///< what it waits for

@@ -18,7 +18,8 @@ using Time = Client::Time;
 using Clock = std::chrono::steady_clock;
 constexpr Time to_connect(2500), to_first_pair(10000), to_pair(500);
 constexpr const char* judged_by[] = {"image source.", "mounting.", "Limit obstacle.", "Map.", "Floor.", "main.threads"};
-constexpr const char* own[] = {"image source.source", "image source.left", "image source.right", "image source.odometry", "image source.loop"};
+constexpr const char* own[] = {"image source.source", "image source.left", "image source.right", "image source.odometry",
+                               "image source.loop"};
 
 template <size_t n>
 bool begins_with_one_of(const std::string& text, const char* const (&beginnings)[n]) {
@@ -80,10 +81,11 @@ DaemonViews look_at_daemon(const std::string& name, int most, double seconds) {
     for (Client::Topic topic : topics) client.release(topic);
   }
   if (views.camera.empty())
-    throw ToolError(EX_UNAVAILABLE, "no good pair from the daemon within " + std::to_string(static_cast<int>(std::max(seconds, 10.0))) + " s" +
-                                        (!reason.empty()             ? ", it is blind: " + reason
+    throw ToolError(EX_UNAVAILABLE, "no good pair from the daemon within " + std::to_string(static_cast<int>(std::max(seconds, 10.0))) +
+                                        " s" +
+                                        (!reason.empty()            ? ", it is blind: " + reason
                                          : client.message().empty() ? "; vdisp-probe stats tells what it does"
-                                                                     : "; " + client.message()));
+                                                                    : "; " + client.message()));
   return views;
 }
 

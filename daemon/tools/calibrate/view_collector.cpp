@@ -62,8 +62,9 @@ Look ViewCollector::consider(const BoardView& left, const BoardView& right, bool
   if (left.empty() || right.empty()) return Look::no_board;
   if (!asked && moved > at_rest * size_.width) return Look::moving;
   const TakenView now = described(left);
-  for (const TakenView& before : views_)
-    if (!asked && difference(now.appearance, before.appearance) < another_view) return Look::known;
+  for (const auto* all : {&views_, &undone_})
+    for (const TakenView& before : *all)
+      if (!asked && difference(now.appearance, before.appearance) < another_view) return Look::known;
   views_.push_back(now);
   for (size_t i = 0; i < cells_.size(); ++i) cells_[i] += now.cells[i];
   return Look::taken;
@@ -72,6 +73,7 @@ Look ViewCollector::consider(const BoardView& left, const BoardView& right, bool
 void ViewCollector::undo() {
   if (views_.empty()) return;
   for (size_t i = 0; i < cells_.size(); ++i) cells_[i] -= views_.back().cells[i];
+  undone_.push_back(views_.back());
   views_.pop_back();
 }
 

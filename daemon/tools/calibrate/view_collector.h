@@ -35,7 +35,7 @@ class ViewCollector {
   /// The next pair, boards empty where none was found. taken: it is worth keeping, and counted. `asked`: the operator wants it, moving or
   /// known as it may be.
   Look consider(const BoardView& left, const BoardView& right, bool asked = false);
-  /// Forgets the last one taken.
+  /// Forgets the last one taken; the like of it is taken again only where it is asked for.
   void undo();
   size_t taken() const { return views_.size(); }
   /// Enough views, a corner in every ninth of the image, and the board tilted to all sides.
@@ -55,7 +55,7 @@ class ViewCollector {
   const Board& board_;
   cv::Size size_;
   size_t wanted_;
-  std::vector<TakenView> views_;
+  std::vector<TakenView> views_, undone_;
   std::array<int, 9> cells_{};
   BoardView last_[2];
 };
