@@ -93,7 +93,7 @@ void Assignments::report_contradictions(const std::string& file) {
   }
 }
 
-Reading Assignments::finish(const std::string& file, Config& config) {
+ConfigReading Assignments::finish(const std::string& file, Config& config) {
   report_contradictions(file);
   const auto& source = config_.image_source;
   if (source.source == "auto" && !source.left.empty()) {

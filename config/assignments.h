@@ -32,7 +32,7 @@ class Assignments {
   /// `section` is one of the table; `raw` is the value as it was written, quotes and all.
   void assign(const Place& place, std::string_view section, std::string_view key, std::string_view raw);
   /// Looks at everything together. `file` is blamed where nothing else can be.
-  Reading finish(const std::string& file, Config& config);
+  ConfigReading finish(const std::string& file, Config& config);
 
  private:
   bool is_repeated(const Parameter& row, const Place& place);
@@ -41,7 +41,7 @@ class Assignments {
 
   std::filesystem::path folder_;
   Config config_;
-  Reading result_;
+  ConfigReading result_;
   bool options_ = false;
   int count_ = 0;
   std::map<const Parameter*, Place> given_;        // by file or option, the later one

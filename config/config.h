@@ -68,7 +68,7 @@ struct Complaint {
 };
 std::ostream& operator<<(std::ostream& out, const Complaint& complaint);
 
-struct Reading {
+struct ConfigReading {
   std::vector<Complaint> complaints;
   std::vector<Complaint> notes;  ///< nothing wrong, but worth a line
   int exit_code = 0;             ///< of sysexits.h: 66 the file cannot be read, 77 it may not, 78 it is wrong
@@ -76,7 +76,7 @@ struct Reading {
 
 /// Defaults, then the file, then each SECTION.KEY=VALUE. An empty path is no file. All complaints at once; with any, `config`
 /// stays as it was.
-Reading read_config(const std::filesystem::path& path, std::span<const std::string> sets, Config& config);
+ConfigReading read_config(const std::filesystem::path& path, std::span<const std::string> sets, Config& config);
 
 /// Values that are each in their range, but not together.
 struct Contradiction {

@@ -179,7 +179,7 @@ void apply(const std::string& option, Assignments& values) {
 
 }  // namespace
 
-Reading read_config(const fs::path& path, std::span<const std::string> sets, Config& config) {
+ConfigReading read_config(const fs::path& path, std::span<const std::string> sets, Config& config) {
   std::error_code ignored;  // without a working folder relative paths stay as they are
   Assignments values(fs::absolute(path, ignored).parent_path());
   if (!path.empty()) Reader(values, path).read();

@@ -68,7 +68,7 @@ int read(const std::string& file, std::vector<std::string> sets, bool sim, Optio
   std::error_code ignored;
   const bool installed = file.empty() && std::filesystem::exists(installed_config, ignored);
   options.file = installed ? installed_config : file;
-  const Reading reading = read_config(options.file, sets, options.config);
+  const ConfigReading reading = read_config(options.file, sets, options.config);
   for (const Complaint& note : reading.notes) std::cerr << "vdispd: " << note << '\n';
   for (const Complaint& complaint : reading.complaints) std::cerr << complaint << '\n';
   return reading.exit_code;

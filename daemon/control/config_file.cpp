@@ -40,7 +40,7 @@ void sync_folder(const fs::path& folder) {
 /// What reading the new file finds wrong.
 std::string wrong_with(const fs::path& file) {
   Config config;
-  const Reading reading = read_config(file, {}, config);
+  const ConfigReading reading = read_config(file, {}, config);
   if (reading.complaints.empty()) return {};
   return "with the options of the command line left out: " + reading.complaints[0].text;
 }

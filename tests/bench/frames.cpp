@@ -47,7 +47,7 @@ void take(Frames& frames, const Config& config, int count) {
 
 Config config_of(const std::vector<std::string>& sets) {
   Config config;
-  const Reading reading = read_config("", sets, config);
+  const ConfigReading reading = read_config("", sets, config);
   if (!reading.complaints.empty()) throw std::invalid_argument(reading.complaints.front().text);
   return config;
 }

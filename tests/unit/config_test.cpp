@@ -32,14 +32,14 @@ class ConfigFile : public testing::Test {
   fs::path file() const { return folder_ / "t.cfg"; }
   void write(const std::string& text) const { std::ofstream(file(), std::ios::binary) << text; }
 
-  Reading read(const std::string& text, const std::vector<std::string>& sets = {}) {
+  ConfigReading read(const std::string& text, const std::vector<std::string>& sets = {}) {
     write(text);
     config_ = Config{};
     return read_config(file(), sets, config_);
   }
   /// As the operator sees them, the folder left out.
   std::string complaints(const std::string& text, const std::vector<std::string>& sets = {}) { return said(read(text, sets)); }
-  std::string said(const Reading& reading) const {
+  std::string said(const ConfigReading& reading) const {
     std::ostringstream out;
     for (const Complaint& complaint : reading.complaints) out << complaint << '\n';
     std::string text = out.str();
@@ -103,7 +103,7 @@ TEST_F(ConfigFile, the_papers_file_is_read_unmodified) {
 }
 
 TEST_F(ConfigFile, coorsize_of_the_papers_table_is_corrsize_with_a_note) {
-  const Reading reading = read("[image source]\ncoorsize = 13\n");
+  const ConfigReading reading = read("[image source]\ncoorsize = 13\n");
   EXPECT_EQ(said(reading), "");
   EXPECT_EQ(config_.image_source.corrsize, 13);
   ASSERT_EQ(reading.notes.size(), 1u);
@@ -234,7 +234,7 @@ TEST_F(ConfigFile, all_complaints_come_at_once_and_nothing_changes) {
   config_.floor.iterRansac = 42;
   write("[Floor]\niterRansac=1\nminRansac=50\n[Map]\ncell=0\n[nowhere]\n");
   const std::vector<std::string> sets{"Floor.distThres=0", "Map.minCount=9"};
-  const Reading reading = read_config(file(), sets, config_);
+  const ConfigReading reading = read_config(file(), sets, config_);
   EXPECT_EQ(reading.complaints.size(), 4u);
   EXPECT_EQ(reading.exit_code, EX_CONFIG);
   EXPECT_EQ(config_.floor.iterRansac, 42);
@@ -378,7 +378,7 @@ TEST_F(ConfigFile, a_contradiction_of_a_value_that_is_refused_anyway_is_not_told
 }
 
 TEST_F(ConfigFile, left_without_source_files_is_noted) {
-  const Reading reading = read("[image source]\nleft=/l.avi\n");
+  const ConfigReading reading = read("[image source]\nleft=/l.avi\n");
   EXPECT_EQ(reading.exit_code, 0);
   ASSERT_EQ(reading.notes.size(), 1u);
   EXPECT_EQ(reading.notes[0].line, 2);
@@ -412,7 +412,7 @@ TEST_F(ConfigFile, rubbish_never_crashes_and_never_gives_more_than_a_page_of_com
   for (int round = 0; round < 300; ++round) {
     std::string text(random() % 3000, ' ');
     for (char& c : text) c = round % 3 == 0 ? static_cast<char>(random()) : letters[random() % letters.size()];
-    const Reading reading = read(text, {text.substr(0, 100)});
+    const ConfigReading reading = read(text, {text.substr(0, 100)});
     EXPECT_LE(reading.complaints.size(), 101u);  // the last one says that there are more
     if (!reading.complaints.empty()) {
       EXPECT_EQ(printed(config_), printed(Config{}));
@@ -424,7 +424,7 @@ TEST_F(ConfigFile, rubbish_never_crashes_and_never_gives_more_than_a_page_of_com
 }
 
 TEST_F(ConfigFile, a_file_that_cannot_be_read_says_why) {
-  Reading reading = read_config(folder_ / "none.cfg", {}, config_);
+  ConfigReading reading = read_config(folder_ / "none.cfg", {}, config_);
   EXPECT_EQ(said(reading), "none.cfg: cannot be read: No such file or directory; must be a vdisp.cfg\n");
   EXPECT_EQ(reading.exit_code, EX_NOINPUT);
   reading = read_config(folder_, {}, config_);
@@ -439,7 +439,7 @@ TEST_F(ConfigFile, a_file_without_permission_says_so) {
   chmod(folder_.c_str(), 0755);
   const bool root = geteuid() == 0;
   if (root && seteuid(65534) != 0) GTEST_SKIP() << "root that cannot become nobody";
-  const Reading reading = read_config(file(), {}, config_);
+  const ConfigReading reading = read_config(file(), {}, config_);
   if (root) {
     ASSERT_EQ(seteuid(0), 0);
   }

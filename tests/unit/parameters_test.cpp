@@ -150,7 +150,7 @@ TEST(Parameters, what_is_printed_reads_back_to_the_same) {
     if (!check(config).empty()) continue;
     ++tried;
     std::ofstream(file) << printed(config);
-    const Reading reading = read_config(file, {}, again);
+    const ConfigReading reading = read_config(file, {}, again);
     ASSERT_TRUE(reading.complaints.empty()) << reading.complaints[0];
     for (const Parameter& row : parameters()) ASSERT_EQ(row.get(again), row.get(config)) << row.name();
     ASSERT_EQ(printed(again), printed(config));
