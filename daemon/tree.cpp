@@ -4,6 +4,7 @@
 
 #include "daemon/control/republish.h"
 #include "daemon/sources/camera_report.h"
+#include "daemon/stages/calibration_watch.h"
 #include "daemon/stages/census_disparity.h"
 #include "daemon/stages/census_view.h"
 #include "daemon/stages/classify.h"

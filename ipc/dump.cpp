@@ -126,6 +126,7 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (const Decision* decision = record_of<Decision>(image)) json_->records[topic] = decision_json(*decision);
   if (const DriveCommand* command = record_of<DriveCommand>(image)) json_->records["drive_command"] = command_json(*command);
   if (const CrossCheck* check = record_of<CrossCheck>(image)) json_->records[topic] = check_json(*check);
+  if (const CalibrationWatch* watch = record_of<CalibrationWatch>(image)) json_->records["row_error"] = watch_json(*watch);
   if (const CameraStatus* cameras = record_of<CameraStatus>(image)) json_->records["camera_status"] = cameras_json(*cameras);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);
 }

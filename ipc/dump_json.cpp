@@ -256,6 +256,20 @@ ordered_json cameras_json(const CameraStatus& status) {
   return json;
 }
 
+ordered_json watch_json(const CalibrationWatch& watch) {
+  return {{"state", name(watch.state)},
+          {"points", watch.points},
+          {"window_s", number(watch.window_s)},
+          {"median_px", number(watch.median_px)},
+          {"p90_px", number(watch.p90_px)},
+          {"shift_px", number(watch.shift_px)},
+          {"shift_deviation_px", number(watch.shift_deviation_px)},
+          {"rotation_rad", number(watch.rotation_rad)},
+          {"rotation_deviation_rad", number(watch.rotation_deviation_rad)},
+          {"limit_px", number(watch.limit_px)},
+          {"drifts", watch.drifts}};
+}
+
 ordered_json camera_json(const CameraGeometry& camera) {
   return {{"f", number(camera.f)},
           {"cx", number(camera.cx)},

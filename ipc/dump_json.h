@@ -27,6 +27,8 @@ nlohmann::ordered_json command_json(const DriveCommand& command);
 nlohmann::ordered_json check_json(const CrossCheck& check);
 /// `camera/status`, as the member `camera_status`.
 nlohmann::ordered_json cameras_json(const CameraStatus& status);
+/// `row_error`.
+nlohmann::ordered_json watch_json(const CalibrationWatch& watch);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);
 nlohmann::ordered_json grid_json(const GridGeometry& grid);
 

@@ -62,6 +62,16 @@ std::string_view describe(Reason reason) {
   return "a reason this version does not know";
 }
 
+std::string_view name(CalibrationState state) {
+  switch (state) {
+    case CalibrationState::measuring: return "measuring";
+    case CalibrationState::good: return "good";
+    case CalibrationState::drifted: return "drifted";
+    case CalibrationState::count: break;
+  }
+  return "unknown";
+}
+
 std::string_view name(MemoryState state) { return state == MemoryState::fused ? "fused" : "frame_only"; }
 
 std::string_view name(MemoryCause cause) {

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "records/cameras.h"  // beside this file in the tree and where it is installed
+#include "records/calibration_watch.h"  // beside this file in the tree and where it is installed
+#include "records/cameras.h"
 #include "records/catalogue.h"
 #include "records/drive.h"
 #include "records/floor.h"

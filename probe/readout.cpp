@@ -299,6 +299,19 @@ std::vector<std::string> cameras_text(const CameraStatus& status) {
   return lines;
 }
 
+std::vector<std::string> watch_text(const CalibrationWatch& watch) {
+  constexpr double degrees = 180 / M_PI;
+  return {"calibration " + std::string(watch.state == CalibrationState::drifted ? "HAS DRIFTED" : name(watch.state)),
+          "rows        " + or_dash("median %.2f px", watch.median_px) + or_dash(", 90 %% within %.2f px", watch.p90_px) +
+              or_dash(", limit %.2f px", watch.limit_px),
+          "shift       " + or_dash("%+.2f", watch.shift_px) + or_dash(" +- %.2f px", watch.shift_deviation_px) + " (right view, down)",
+          "rotation    " + or_dash("%+.3f", watch.rotation_rad, degrees) + or_dash(" +- %.3f deg", watch.rotation_deviation_rad, degrees) +
+              " (right camera, about its view)",
+          format("points      %u of the last %.1f s", watch.points, watch.window_s),
+          "drifted     " + std::to_string(watch.drifts) + " times" +
+              (watch.state == CalibrationState::drifted ? "; vdisp-calibrate check tells more" : "")};
+}
+
 }  // namespace
 
 std::string spec_words(const ImageSpec& spec) {
@@ -329,6 +342,7 @@ std::vector<std::string> record_text(const Image& image) {
   if (const DriveCommand* command = record_of<DriveCommand>(image)) return command_text(*command);
   if (const CrossCheck* check = record_of<CrossCheck>(image)) return check_text(*check);
   if (const CameraStatus* status = record_of<CameraStatus>(image)) return cameras_text(*status);
+  if (const CalibrationWatch* watch = record_of<CalibrationWatch>(image)) return watch_text(*watch);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
 }
 

@@ -116,12 +116,31 @@ void Edges::remember(const Memory& memory, const Image& image) {
   memory_told_ns_ = image.ready_ns;
 }
 
+void Edges::watch_calibration(const CalibrationWatch& watch, const Image& image) {
+  const bool drifted = watch.state == CalibrationState::drifted;
+  if (drifted == drifted_ || (!drifted && watch.state != CalibrationState::good) || image.ready_ns - drift_told_ns_ < second) return;
+  drifted_ = drifted;
+  drift_told_ns_ = image.ready_ns;
+  constexpr double degrees = 180 / M_PI;
+  if (drifted)
+    warn(
+        "the calibration has drifted (frame {}): rows of {} points differ by {:.2f} px (median), limit {:.2f}; the right view is {:.2f} px "
+        "too {} and "
+        "turned by {:.2f} deg; vdisp-calibrate check tells what to do",
+        image.sequence, watch.points, watch.median_px, watch.limit_px, std::abs(watch.shift_px), watch.shift_px > 0 ? "low" : "high",
+        watch.rotation_rad * degrees);
+  else
+    info("the calibration holds again (frame {}): rows of {} points differ by {:.2f} px (median)", image.sequence, watch.points,
+         watch.median_px);
+}
+
 void Edges::see(const Topic& topic, const Image& image) {
   if (const Odometry* odometry = record_of<Odometry>(image)) return incoming(odometry_, "odometry", odometry->tally, image);
   if (const Imu* imu = record_of<Imu>(image)) return incoming(imu_, "IMU", imu->tally, image);
   if (const DriveOrder* drive = record_of<DriveOrder>(image)) return incoming(drive_, "drive", drive->tally, image);
   if (const Events* events = record_of<Events>(image)) return incoming(event_, "event", events->tally, image);
   if (const Memory* memory = record_of<Memory>(image); memory && image.valid()) return remember(*memory, image);
+  if (const CalibrationWatch* watch = record_of<CalibrationWatch>(image); watch && image.valid()) return watch_calibration(*watch, image);
   if (topic.name == "camera/left") {
     edge(camera_, "frames", fault_(), image);
     if (!told_near_) rows_ = image.spec.height;

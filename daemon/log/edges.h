@@ -37,6 +37,7 @@ class Edges {
   void compare(const FloorModel& model, const Image& image);
   void remember(const Memory& memory, const Image& image);
   void weigh(const FloorModel& model, const Image& image);
+  void watch_calibration(const CalibrationWatch& watch, const Image& image);
   void judge_imu(const FloorModel& model, const Image& image);
   void say_what_is_near(const FloorModel& model, const CameraGeometry& camera);
 
@@ -56,6 +57,8 @@ class Edges {
   bool askew_ = false, imu_ignored_ = false;
   int weighed_otherwise_ = 0;  // in a row that contradict askew_
   int64_t imu_told_ns_ = INT64_MIN / 2;
+  bool drifted_ = false;
+  int64_t drift_told_ns_ = INT64_MIN / 2;
 };
 
 }  // namespace vdisp::log

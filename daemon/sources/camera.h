@@ -64,7 +64,8 @@ class Camera {
 
   /// For messages, with kind and which: "GigE camera LEFT01".
   virtual const std::string& name() const = 0;
-  /// Opens and starts it; after a close() the same physical camera only, and no other in its place. May take seconds. Throws CameraError.
+  /// Opens and starts it; after a close() the same camera only: by serial number or GUID where the bus has one; Video4Linux2 has none,
+  /// there it is another one of the same name in the same port too. May take seconds. Throws CameraError.
   virtual FrameFormat open() = 0;
   /// Frames come in the order they were taken; of those that wait the newest is enough. What is wrong is in `problem()`.
   virtual Delivery wait(int timeout_ms, RawFrame& frame) noexcept = 0;

@@ -24,6 +24,7 @@ enum class RecordType : uint16_t {
   decision = 14,
   drive_command = 15,
   cross_check = 16,
+  calibration_watch = 17,
   health = 18,
 };
 

@@ -71,7 +71,7 @@ class Viewer {
       case Input::previous_image: return step_image(-1);
       case Input::palette: state_.style.palette = static_cast<Palette>((static_cast<int>(state_.style.palette) + 1) % palettes); return;
       case Input::save: return save();
-      case Input::freeze: state_.frozen = !state_.frozen && kept_.get(); return;
+      case Input::space: state_.frozen = !state_.frozen && kept_.get(); return;
       case Input::tree: state_.tree = !state_.tree; return;
       case Input::help: state_.help = !state_.help; return;
       case Input::quit: quit_ = true; return;
@@ -281,8 +281,12 @@ int view(const Options& options) {
   Client client(options.name);
   stop_on_signals();
   attach(client, options);
-  Viewer viewer(client, options);
-  viewer.run();
+  try {
+    Viewer viewer(client, options);
+    viewer.run();
+  } catch (const NoWindow& error) {
+    throw ProbeError(69, std::string(error.what()) + "; without one use vdisp-probe map");
+  }
   return 0;
 }
 

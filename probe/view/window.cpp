@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "probe/words.h"
-
 namespace vdisp {
 
 struct Window::Implementation {
@@ -31,11 +29,12 @@ std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
     case SDLK_ESCAPE: return Input::quit;
     case SDLK_c: return Input::palette;
     case SDLK_s: return Input::save;
-    case SDLK_SPACE: return Input::freeze;
+    case SDLK_SPACE: return Input::space;
+    case SDLK_u:
+    case SDLK_BACKSPACE: return Input::undo;
     case SDLK_t: return Input::tree;
     case SDLK_p: return Input::panel;
     case SDLK_TAB: return key.keysym.mod & KMOD_SHIFT ? Input::previous_slider : Input::next_slider;
-    case SDLK_u: return Input::undo;
     case SDLK_w: return Input::write;
     case SDLK_a: return Input::all_sliders;
     case SDLK_F1:
@@ -50,14 +49,12 @@ Window::Window(const std::string& title, int width, int height) : implementation
   // Left alone, SDL would fall back to a window that nobody sees.
   if (!std::getenv("SDL_VIDEODRIVER")) {
     const bool x11 = std::getenv("DISPLAY"), wayland = std::getenv("WAYLAND_DISPLAY");
-    if (!x11 && !wayland)
-      throw ProbeError(69, "no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set); without one use vdisp-probe map");
+    if (!x11 && !wayland) throw NoWindow("no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set)");
     SDL_SetHint(SDL_HINT_VIDEODRIVER, x11 && wayland ? "x11,wayland" : x11 ? "x11" : "wayland");
   }
   SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
   SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");  // else OpenGL, and without a graphics card its emulation
-  if (SDL_Init(SDL_INIT_VIDEO) != 0)
-    throw ProbeError(69, std::string("no display for a window (SDL: ") + SDL_GetError() + "); without one use vdisp-probe map");
+  if (SDL_Init(SDL_INIT_VIDEO) != 0) throw NoWindow(std::string("no display for a window (SDL: ") + SDL_GetError() + ")");
   SDL_Rect usable;
   if (SDL_GetDisplayUsableBounds(0, &usable) == 0) width = std::min(width, usable.w), height = std::min(height, usable.h);
   implementation_->window =
@@ -65,7 +62,7 @@ Window::Window(const std::string& title, int width, int height) : implementation
   if (!implementation_->window) {
     const std::string error = SDL_GetError();
     SDL_Quit();
-    throw ProbeError(69, "cannot open a window (SDL: " + error + "); without a display use vdisp-probe map");
+    throw NoWindow("cannot open a window (SDL: " + error + ")");
   }
   SDL_SetWindowMinimumSize(implementation_->window, 360, 280);
 }

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "probe/picture.h"
@@ -17,7 +18,7 @@ enum class Input {
   previous_image,
   palette,
   save,
-  freeze,
+  space,
   tree,
   help,
   quit,
@@ -34,9 +35,15 @@ enum class Input {
   all_sliders
 };
 
+/// There is no display, or it gives no window: why, in one line.
+class NoWindow : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 class Window {
  public:
-  /// Throws ProbeError (69) where there is no display.
+  /// Throws NoWindow.
   Window(const std::string& title, int width, int height);
   ~Window();
   Window(const Window&) = delete;

@@ -85,6 +85,12 @@ int64_t stamp(const Image& image) {
   return static_cast<int64_t>(time);
 }
 
+/// Frames of a camera that are neither in a pair nor counted as anything else: those that wait for their other half.
+long long over(const CameraStatus& status, int side) {
+  const CameraView& view = status.view[side];
+  return static_cast<long long>(view.frames) - static_cast<long long>(view.refused + view.unpaired + status.pairs);
+}
+
 /// What left and right say themselves of when they were taken: more than `most_ms` apart is no pair.
 int pairs(Client& client, double seconds, double most_ms) {
   const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
@@ -114,10 +120,11 @@ int pairs(Client& client, double seconds, double most_ms) {
   }
   const auto u = [](uint64_t value) { return static_cast<unsigned long long>(value); };
   std::printf(
-      "pairs %llu blind %llu missed %llu mismatched %llu older %llu worst_ms %.3f skipped %llu incomplete %llu unpaired %llu opened %u\n",
+      "pairs %llu blind %llu missed %llu mismatched %llu older %llu worst_ms %.3f skipped %llu incomplete %llu unpaired %llu opened %u "
+      "formed %llu left_over %lld right_over %lld\n",
       u(number), u(blind), u(missed), u(mismatched), u(older), worst_ms, u(status.skipped),
       u(status.view[0].incomplete + status.view[1].incomplete), u(status.view[0].unpaired + status.view[1].unpaired),
-      status.view[0].opened + status.view[1].opened);
+      status.view[0].opened + status.view[1].opened, u(status.pairs), over(status, 0), over(status, 1));
   return 0;
 }
 

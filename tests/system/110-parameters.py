@@ -492,6 +492,23 @@ class Parameters(DriveProofs, ProgramTest):
         self.live("camera.packetSize=0")
         self.assertNotIn(gige.register(gige.LEFT, gige.PACKET_SIZE) & 0xffff, (576,))
 
+    def test_image_source_rowLimit(self):
+        self.rises("image source.rowLimit", (0.5, 2), lambda run: run.json["row_error"]["limit_px"])
+        left, right = (self.folder / side for side in ("left", "right"))
+        random = numpy.random.default_rng(5)
+        texture = cv2.GaussianBlur(random.integers(0, 255, (243, 340), numpy.uint8), (0, 0), 1.5)
+        texture = cv2.normalize(texture, None, 0, 255, cv2.NORM_MINMAX)
+        for folder, view in ((left, texture[1:241, 10:330]), (right, texture[0:240, 20:340])):  # right: a row lower, 10 px to the left
+            folder.mkdir()
+            for i in range(30):
+                cv2.imwrite(str(folder / f"{i:06d}.png"), view)
+        files = [f"image source.left={left}/%06d.png", f"image source.right={right}/%06d.png", "image source.source=files", "image source.ndisp=32",
+                 "image source.rate=30", "main.middleware=none", "main.debug=1"]
+        for limit, state in ((0.5, "drifted"), (2, "good")):
+            told = self.dump(f"image source.rowLimit={limit}", base=files, frames=30).json["row_error"]
+            self.assertEqual(told["state"], state, told)
+            self.assertAlmostEqual(told["shift_px"], 1, delta=0.05)
+
     # [mounting]
     def test_mounting_height_and_heightTolerance(self):
         self.assertFalse(self.dump("mounting.height=0.8").floor("mounting_differs"))

@@ -7,12 +7,15 @@ import json
 import math
 import os
 import pathlib
+import shutil
+import subprocess
+import time
 import unittest
 
 import cv2
 import numpy
 
-from programs import ROOT, ProgramTest, Running, isolated_main, run, wait_until
+from programs import BIN, ROOT, ProgramTest, Running, isolated_main, run, wait_until
 
 DATA = ROOT.parent / "shared/data"
 WIDTH, HEIGHT, F, BASELINE = 480, 360, 400.0, 0.1
@@ -159,6 +162,16 @@ class Solve(ProgramTest):
             self.assertAlmostEqual(shown["view"]["baseline_m"], found["baseline_m"], 6)
             self.assertGreater(cv2.imread(str(self.folder / "r.png")).std(), 10)
 
+    def test_a_table_that_cannot_be_written_is_74_and_the_calibration_is_there(self):
+        where = DATA / "calib_boards/opencvdoc"
+        if not where.is_dir():
+            self.skipTest(f"no {where}")
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([BIN / "vdisp-calibrate", "solve", where / "left*.jpg", where / "right*.jpg", *BOARD, "-o", self.folder / "c.yml"],
+                                    stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
+        self.assert_refused(result, 74, "standard output cannot be written")
+        self.assertTrue((self.folder / "c.yml").exists())
+
     def test_exchanged_views_are_told(self):
         where = DATA / "calib_boards/opencvdoc"
         if not where.is_dir():
@@ -299,6 +312,65 @@ class Check(ProgramTest):
         self.assert_refused(run("vdisp-calibrate", "check", self.folder, right), 66, "no images in this folder")
 
 
+class CheckOfTheRunningDaemon(ProgramTest):
+    """The same scene, and what a function makes of the right views, as the daemon's cameras."""
+
+    def check(self, right=None, calibration=None, options=(), sets=()):
+        for side in (0, 1):
+            folder = self.folder / ("left", "right")[side]
+            folder.mkdir(exist_ok=True)
+            for i, views in enumerate(VIEWS):
+                cv2.imwrite(str(folder / f"{i:06d}.png"), right(views[side]) if right and side else views[side])
+        (self.folder / "c.yml").write_text(calibration or rectified_text())
+        config = self.write_config(f"ndisp=80\nparamfile=c.yml\nrate=10\nloop=yes\n[mounting]\nheight={CAMERA_HEIGHT}\n[Limit obstacle]\n"
+                                   f"angRot={PITCH}\n[Map]\nangRot={PITCH}\n", middleware="shm")
+        config.write_text(config.read_text().replace("ndisp=32\n", "").replace("debug=0", "debug=1"))
+        with Running("vdispd", "-c", config, *sets) as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 20), daemon.text())
+            result = run("vdisp-calibrate", "check", "--pairs", "4", "--seconds", "2", "--json", *options, timeout=120)
+        self.assertIn(result.returncode, (0, 78), result.stderr)
+        report = json.loads(result.stdout)
+        self.assertGreaterEqual(report["pairs"], 2)
+        return {finding["name"]: finding for finding in report["findings"]}, result.returncode
+
+    def faults(self, findings):
+        return sorted(name for name, finding in findings.items() if finding["verdict"] == "FAULT")
+
+    def test_a_good_one_is_fine_and_measured_by_what_the_daemon_is_set_to(self):
+        findings, code = self.check(options=BOARD)
+        self.assertEqual((self.faults(findings), code), ([], 0))
+        self.assertEqual(findings["height"]["verdict"], "fine")
+        self.assertAlmostEqual(findings["height"]["value"], CAMERA_HEIGHT, delta=0.02 * CAMERA_HEIGHT)
+        self.assertAlmostEqual(findings["pitch"]["value"], PITCH, delta=0.01)
+        self.assertAlmostEqual(findings["scale"]["value"], 1, delta=0.01)
+        self.assertIn("at_5_m", findings)
+
+    def test_a_shift_a_rotation_and_a_wrong_angle_are_named(self):
+        findings, code = self.check(right=lambda image: numpy.roll(image, 2, axis=0))
+        self.assertEqual((self.faults(findings), code), (["rows", "shift"], 78))
+        self.assertAlmostEqual(findings["shift"]["value"], 2, delta=0.1)
+        findings, _ = self.check(calibration=raw_text(cv2.Rodrigues(numpy.array([0, 0, math.radians(0.5)]))[0]))
+        self.assertIn("rotation", self.faults(findings))
+        self.assertAlmostEqual(abs(findings["rotation"]["value"]), 0.5, delta=0.05)
+        findings, _ = self.check(sets=("--set", "Limit obstacle.angRot=0.1", "--set", "Map.angRot=0.1"))
+        self.assertEqual(self.faults(findings), ["pitch"])
+
+    def test_exchanged_views_are_told_and_another_calibration_can_be_tried(self):
+        VIEWS[:] = [(b, a) for a, b in VIEWS]
+        try:
+            findings, code = self.check()
+        finally:
+            VIEWS[:] = [(b, a) for a, b in VIEWS]
+        self.assertEqual((self.faults(findings), code), (["order"], 78))
+        (self.folder / "wrong.yml").write_text(rectified_text(1.12 * BASELINE))
+        findings, _ = self.check(options=["--calibration", self.folder / "wrong.yml", *BOARD])
+        self.assertIn("scale", self.faults(findings))
+
+    def test_without_a_daemon_it_is_69_and_with_one_view_64(self):
+        self.assert_refused(run("vdisp-calibrate", "check"), 69, "vdispd")
+        self.assert_refused(run("vdisp-calibrate", "check", self.folder), 64, "RIGHT")
+
+
 class Capture(ProgramTest):
     """A board before cameras that the daemon reads: every pose for three frames, at rest."""
 
@@ -345,11 +417,66 @@ class Capture(ProgramTest):
         self.assertGreaterEqual(len(names), 12, result.stdout)
         self.assertEqual(names, sorted(path.name for path in (taken / "right").iterdir()))
         self.assertEqual(result.stdout.count(" taken"), len(names))
+        if "complete: " in result.stdout:
+            self.assertIn("--board 9x6 --square 0.03 -o rover.yml", result.stdout)
         solved = run("vdisp-calibrate", "solve", taken / "left", taken / "right", "--board", "9x6", "--square", "0.03", "--json")
         found = json.loads(solved.stdout)
         self.assertAlmostEqual(found["baseline_m"], BASELINE, delta=0.01 * BASELINE)
         for f in found["fx"]:
             self.assertAlmostEqual(f, F, delta=0.01 * F)
+
+    def screen(self):
+        """What Xvfb shows: its framebuffer is a file in the format of xwd."""
+        data = (self.folder / "Xvfb_screen0").read_bytes()
+        header = numpy.frombuffer(data, ">u4", 25)
+        size, width, height, line, colours = (int(header[i]) for i in (0, 4, 5, 12, 19))
+        rows = numpy.frombuffer(data, numpy.uint8, line * height, size + 12 * colours).reshape(height, line)
+        return rows[:, : 4 * width].reshape(height, width, 4)[:, :, :3].copy()
+
+    def test_a_window_shows_what_is_taken_and_its_keys_take_undo_and_quit(self):
+        if not (shutil.which("Xvfb") and shutil.which("xdotool")):
+            self.skipTest("needs Xvfb and xdotool")
+        read, write = os.pipe()
+        server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1100x760x24", "-nolisten", "tcp", "-noreset", "-fbdir", str(self.folder)],
+                                  pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.kill)
+        os.close(write)
+        with os.fdopen(read) as number:
+            display = {**os.environ, "DISPLAY": ":" + number.readline().strip()}
+
+        def do(*words):
+            return subprocess.run(words, env=display, capture_output=True, text=True).stdout.strip()
+
+        for side, view in zip(("left", "right"), self.views(self.POSES[0])):
+            (self.folder / side).mkdir()
+            cv2.imwrite(str(self.folder / side / "000000.png"), view)
+        config = self.write_config("rate=6\nloop=yes\n", middleware="shm")
+        taken = self.folder / "taken"
+        pairs = lambda: len(list((taken / "right").glob("*.png"))) if (taken / "right").is_dir() else 0
+        with Running("vdispd", "-c", config, "--set", "main.debug=1") as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 20), daemon.text())
+            with Running("vdisp-calibrate", "capture", taken, "--board", "9x6", "--square", "0.03", "--window", "--seconds", "60", env=display,
+                         stdout=subprocess.DEVNULL) as capture:
+                self.assertTrue(wait_until(lambda: pairs() == 1, 15), capture.text())  # by itself, and the same pose no second time
+                do("xdotool", "windowfocus", "--sync", do("xdotool", "search", "--name", "vdisp-calibrate capture").split()[0])
+                do("xdotool", "key", "space")
+                self.assertTrue(wait_until(lambda: pairs() == 2, 10), capture.text())
+                time.sleep(1)
+                screen = self.screen()
+                for left in (1, 0):
+                    do("xdotool", "key", "u")
+                    self.assertTrue(wait_until(lambda: pairs() <= left, 10), f"{pairs()}; {capture.text()}")
+                do("xdotool", "key", "q")
+                self.assertEqual(capture.process.wait(10), 0, capture.text())
+        self.assertGreater(int((screen == (255, 220, 80)).all(axis=2).sum()), 200)  # the board that was found, over the views
+        if "VDISP_KEEP_SCREEN" in os.environ:
+            cv2.imwrite(os.environ["VDISP_KEEP_SCREEN"], screen)
+
+    def test_without_a_display_the_window_is_69_and_the_terminal_is_named(self):
+        plain = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")}
+        words = ("vdisp-calibrate", "capture", self.folder / "taken", "--board", "9x6", "--square", "0.03", "--window")
+        self.assert_refused(run(*words, env=plain), 69, "DISPLAY", "--window", "terminal")
 
     def test_without_a_daemon_it_is_69(self):
         self.assert_refused(run("vdisp-calibrate", "capture", self.folder / "taken", "--board", "9x6", "--square", "0.03"), 69, "vdispd")

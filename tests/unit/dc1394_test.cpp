@@ -9,14 +9,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/core/clock.h"
-#include "daemon/sources/live.h"
-#include "ipc/outlet.h"
+#include "tests/support/live_steps.h"
 
 namespace vdisp {
 namespace {
 
-class FireWire : public testing::Test {
+class FireWire : public LiveSteps {
  protected:
   FireWire() {
     gone_ = testing::TempDir() + "/vdisp-gone-" + std::to_string(getpid());
@@ -26,34 +24,10 @@ class FireWire : public testing::Test {
   ~FireWire() override { std::filesystem::remove(gone_); }
   void start(const char* words) {
     setenv("VDISP_STANDIN", words, 1);
-    source_ = open_live(config_, dc1394_cameras(config_));
-    outlets_.clear(), images_.clear();
-    for (const ImageSpec& spec : source_->open()) {
-      outlets_.push_back(std::make_unique<BufferOutlet>(spec));
-      images_.push_back(&outlets_.back()->loan());
-    }
-  }
-  Outcome step() {
-    while (!source_->wait(100)) {
-    }
-    for (Image* image : images_) Image::make(image, ImageSpec(image->spec));
-    return source_->grab(images_);
-  }
-  bool until(Outcome wanted) {
-    const int64_t end = monotonic_ns() + 10'000'000'000;
-    while (monotonic_ns() < end)
-      if (step() == wanted) return true;
-    return false;
+    open(open_live(config_, dc1394_cameras(config_)));
   }
   std::string refusal(const char* words, int code) {
-    try {
-      start(words);
-    } catch (const SourceError& error) {
-      EXPECT_EQ(error.exit_code, code) << error.what();
-      return error.what();
-    }
-    ADD_FAILURE() << "it started";
-    return {};
+    return refusal_of(code, [&] { start(words); });
   }
   /// Of a row through the scene: how far left the right view's best match is, px.
   int shift() const {
@@ -67,11 +41,7 @@ class FireWire : public testing::Test {
     return best;
   }
 
-  Config config_;
   std::string gone_;
-  std::unique_ptr<StereoSource> source_;
-  std::vector<std::unique_ptr<BufferOutlet>> outlets_;
-  std::vector<Image*> images_;
 };
 
 TEST_F(FireWire, an_mdcs2_gives_both_views_by_turns) {

@@ -14,11 +14,10 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/core/clock.h"
 #include "daemon/sources/exposure.h"
 #include "daemon/sources/raw_pixels.h"
 #include "daemon/sources/view_order.h"
-#include "ipc/outlet.h"
+#include "tests/support/live_steps.h"
 
 namespace vdisp {
 namespace {
@@ -72,37 +71,16 @@ class ToldCamera final : public Camera {
   std::vector<std::byte> pixels_;
 };
 
-class Live : public testing::Test {
+class Live : public LiveSteps {
  protected:
   void start() {
     std::vector<std::unique_ptr<Camera>> cameras;
     cameras.push_back(std::make_unique<ToldCamera>("left camera", orders_[0]));
     cameras.push_back(std::make_unique<ToldCamera>("right camera", orders_[1]));
-    source_ = open_live(config_, std::move(cameras));
-    for (const ImageSpec& spec : source_->open()) {
-      outlets_.push_back(std::make_unique<BufferOutlet>(spec));
-      images_.push_back(&outlets_.back()->loan());
-    }
-  }
-  Outcome step() {
-    while (!source_->wait(100)) {
-    }
-    for (Image* image : images_) Image::make(image, ImageSpec(image->spec));
-    return source_->grab(images_);
-  }
-  /// Steps until it is `wanted`, at most some seconds.
-  bool until(Outcome wanted) {
-    const int64_t end = monotonic_ns() + 5'000'000'000;
-    while (monotonic_ns() < end)
-      if (step() == wanted) return true;
-    return false;
+    open(open_live(config_, std::move(cameras)));
   }
 
-  Config config_;
   Orders orders_[2];
-  std::unique_ptr<StereoSource> source_;
-  std::vector<std::unique_ptr<BufferOutlet>> outlets_;
-  std::vector<Image*> images_;
 };
 
 TEST_F(Live, gives_out_pairs_of_one_exposure_in_order) {

@@ -14,9 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
 
-#include "daemon/core/clock.h"
-#include "daemon/sources/live.h"
-#include "ipc/outlet.h"
+#include "tests/support/live_steps.h"
 
 namespace vdisp {
 namespace {
@@ -190,49 +188,19 @@ class TestKernel final : public V4l2System {
   std::atomic<int> mapped_{0};
 };
 
-class V4l2 : public testing::Test {
+class V4l2 : public LiveSteps {
  protected:
   V4l2() {
     kernel_.devices_["/dev/video0"] = {};
     kernel_.devices_["/dev/video2"] = {};
     kernel_.devices_["/dev/video2"].bus = "usb-2";
   }
-  void start() {
-    source_ = open_live(config_, v4l2_cameras(config_, kernel_));
-    for (const ImageSpec& spec : source_->open()) {
-      outlets_.push_back(std::make_unique<BufferOutlet>(spec));
-      images_.push_back(&outlets_.back()->loan());
-    }
-  }
-  Outcome step() {
-    while (!source_->wait(100)) {
-    }
-    for (Image* image : images_) Image::make(image, ImageSpec(image->spec));
-    return source_->grab(images_);
-  }
-  bool until(Outcome wanted) {
-    const int64_t end = monotonic_ns() + 6'000'000'000;
-    while (monotonic_ns() < end)
-      if (step() == wanted) return true;
-    return false;
-  }
-  /// The line with which it does not start.
+  void start() { open(open_live(config_, v4l2_cameras(config_, kernel_))); }
   std::string refusal(int code) {
-    try {
-      start();
-    } catch (const SourceError& error) {
-      EXPECT_EQ(error.exit_code, code) << error.what();
-      return error.what();
-    }
-    ADD_FAILURE() << "it started";
-    return {};
+    return refusal_of(code, [&] { start(); });
   }
 
   TestKernel kernel_;
-  Config config_;
-  std::unique_ptr<StereoSource> source_;
-  std::vector<std::unique_ptr<BufferOutlet>> outlets_;
-  std::vector<Image*> images_;
 };
 
 TEST_F(V4l2, two_cameras_attached_are_a_pair_of_one_moment) {

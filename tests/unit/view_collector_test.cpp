@@ -55,6 +55,19 @@ TEST_F(Collecting, the_same_view_is_taken_once_and_another_place_size_or_tilt_is
   EXPECT_EQ(collector.taken(), 5u);
 }
 
+TEST_F(Collecting, a_view_taken_back_is_taken_again_only_when_asked_for) {
+  EXPECT_EQ(twice(view(320, 240)), Look::taken);
+  collector.undo();
+  EXPECT_EQ(collector.taken(), 0u);
+  EXPECT_EQ(collector.cells(), (std::array<int, 9>{}));
+  EXPECT_EQ(twice(view(320, 240)), Look::known);
+  EXPECT_EQ(collector.consider(view(100, 240), view(90, 240), true), Look::taken);
+  EXPECT_EQ(collector.consider(view(320, 240), {}, true), Look::no_board);
+  collector.undo();
+  collector.undo();
+  EXPECT_EQ(collector.taken(), 0u);
+}
+
 TEST_F(Collecting, it_says_what_is_missing_until_nothing_is) {
   twice(view(320, 240));
   for (const char* words : {"upper left", "lower right", "its left side nearer", "its bottom nearer"})

@@ -6,18 +6,23 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/tools/calibrate/daemon_views.h"
 #include "daemon/tools/calibrate/findings.h"
 #include "daemon/tools/calibrate/pairs.h"
+#include "daemon/tools/calibrate/taken_pairs.h"
 #include "daemon/tools/calibrate/words.h"
 
 namespace vdisp::calibrate {
 namespace {
 
 constexpr int most_ndisp = 256;
+constexpr double daemon_seconds = 5;  // over which pairs of a running daemon are spread
 
 std::string two_digits(double value) {
   char text[32];
@@ -25,9 +30,12 @@ std::string two_digits(double value) {
   return text;
 }
 
+/// Without pairs on the command line it is the running daemon that is checked.
+bool live(const Options& options) { return options.left.empty(); }
+
 Config read(const Options& options) {
   Config config;
-  const ConfigReading reading = read_config(options.config, options.sets, config);
+  const auto reading = read_config(options.config, options.sets, config);
   if (reading.exit_code != 0) {
     std::string all;
     for (const Complaint& complaint : reading.complaints)
@@ -36,8 +44,10 @@ Config read(const Options& options) {
     throw ToolError(reading.exit_code, all);
   }
   config.image_source.source = "files";
-  config.image_source.left = images_of(options.left);
-  config.image_source.right = images_of(options.right);
+  if (!live(options)) {
+    config.image_source.left = images_of(options.left);
+    config.image_source.right = images_of(options.right);
+  }
   config.image_source.loop = false;
   config.image_source.odometry.clear();
   if (!options.calibration.empty()) config.image_source.paramfile = options.calibration;
@@ -77,10 +87,51 @@ Expected expected_of(const Options& options, const Config& config) {
   return {pitch_told(options) ? config.expected_pitch() : NAN, config.mounting.height > 0 ? config.mounting.height : NAN};
 }
 
+/// The pairs in question through the stages, any number of times; the views exchanged, if asked.
+using Run = std::function<StageRun(const Config&, bool exchanged)>;
+
+Run run_of_files(const Options& options) {
+  return [&options](Config config, bool exchanged) {
+    if (exchanged) std::swap(config.image_source.left, config.image_source.right);
+    return run_stages(open_source(config), measuring(options, config), options.most_pairs);
+  };
+}
+
+/// Where the file is known that the daemon rectifies by, its raw views through that; else its rectified views.
+Run run_of_daemon(const Options& options, const Config& config) {
+  auto views = std::make_shared<DaemonViews>(
+      look_at_daemon(options.name, options.most_pairs, options.seconds > 0 ? options.seconds : daemon_seconds));
+  std::optional<Calibration> calibration;
+  const std::string& file = config.image_source.paramfile;
+  if (!file.empty()) try {
+      calibration = read_calibration(file);
+    } catch (const CalibrationError&) {
+      if (!options.calibration.empty() || !options.config.empty()) throw;  // the daemon's own may be out of reach
+    }
+  const bool told = !options.calibration.empty() || !options.config.empty();
+  const bool raw = calibration && (told || calibration->hash == views->calibration_hash);
+  if (!raw) {
+    calibration.reset();
+    if (views->view.calibrated()) {
+      calibration.emplace();
+      calibration->view = views->view;
+      calibration->format = "the daemon's";
+    }
+  }
+  return [&options, views, calibration, raw](Config now, bool exchanged) {
+    auto pairs = raw ? views->camera : views->rectified;
+    if (!raw) now.image_source.bayer = "none";
+    if (exchanged)
+      for (auto& pair : pairs) std::swap(pair[0], pair[1]);
+    StageRun run = run_stages(std::make_unique<TakenPairs>(std::move(pairs), calibration), measuring(options, now), options.most_pairs);
+    run.bad += views->blind;
+    return run;
+  };
+}
+
 /// Views that are exchanged are rectified wrongly as well, which may hide that they are: their rows agree better the other way round.
-bool exchanged(const Options& options, Config config, const StereoView& view, double rows, Findings& findings) {
-  std::swap(config.image_source.left, config.image_source.right);
-  const auto matches = match_all(run_stages(measuring(options, config), options.most_pairs));
+bool exchanged(const Run& run, const Config& config, const StereoView& view, double rows, Findings& findings) {
+  const auto matches = match_all(run(config, true));
   if (matches.size() < fewest_matches) return false;
   const double other = fit_misalignment(matches, view).median_px;
   if (other > rows / 2) return false;
@@ -129,14 +180,22 @@ int print(const Options& options, const Findings& findings, const StageRun& run)
 
 }  // namespace
 
-int check(const Options& options) {
+int check(const Options& given) {
+  Options options = given;
+  if (live(options) && options.config.empty()) {  // what it is set to, and over that what the operator says
+    options.sets = settings_of_daemon();
+    options.sets.insert(options.sets.end(), given.sets.begin(), given.sets.end());
+  }
   Config config = read(options);
-  if (config.image_source.paramfile.empty() && options.board.size.size())
+  if (!live(options) && config.image_source.paramfile.empty() && options.board.size.size())
     throw ToolError(EX_USAGE, "--board without a calibration; needed is --calibration FILE, or a vdisp.cfg with paramfile");
   std::optional<Board> board;
   if (!options.board.size.empty()) board.emplace(options.board);
-  StageRun run = run_stages(measuring(options, config), options.most_pairs);
-  if (run.pairs.empty()) throw ToolError(EX_NOINPUT, "no pair of " + config.image_source.left + " is good");
+  const Run again = live(options) ? run_of_daemon(options, config) : run_of_files(options);
+  StageRun run = again(config, false);
+  if (run.pairs.empty())
+    throw ToolError(EX_NOINPUT,
+                    live(options) ? "none of the daemon's pairs is good" : "no pair of " + config.image_source.left + " is good");
   const cv::Size size = run.pairs[0].rectified[0].size();
   const bool calibrated = run.calibration.has_value();
   // Without a calibration rows can be compared all the same; angles then are as of a usual lens.
@@ -146,13 +205,13 @@ int check(const Options& options) {
   Findings findings;
   const double rows = matches.size() < fewest_matches ? 0 : fit_misalignment(matches, view).median_px;
   const bool suspicious = rows > most_row_error && calibrated && run.calibration->raw;
-  if (!(suspicious && exchanged(options, config, view, rows, findings)) && find_order(run, matches, view, findings)) {
+  if (!(suspicious && exchanged(again, config, view, rows, findings)) && find_order(run, matches, view, findings)) {
     find_misalignment(matches, view, size, calibrated, findings);
     if (options.config.empty() && calibrated) {
       const int wanted = fitting_ndisp(matches, config.image_source.ndisp);
       if (wanted > config.image_source.ndisp) {
         config.image_source.ndisp = wanted;
-        run = run_stages(measuring(options, config), options.most_pairs);
+        run = again(config, false);
       }
     }
     if (calibrated) {

@@ -35,9 +35,16 @@ void add_board(CLI::App* word, BoardOptions& board, bool needed) {
   if (needed) size->required(), square->required();
 }
 
-void add_pairs(CLI::App* word, Options& options) {
-  word->add_option("LEFT", options.left, "Left images: a folder, a pattern (left/%06d.png) or a glob in quotes")->required();
-  word->add_option("RIGHT", options.right, "Right images, in the same form")->required();
+/// `required`: else both or none.
+void add_pairs(CLI::App* word, Options& options, bool required) {
+  auto* left = word->add_option("LEFT", options.left, "Left images: a folder, a pattern (left/%06d.png) or a glob in quotes");
+  auto* right = word->add_option("RIGHT", options.right, "Right images, in the same form");
+  if (required) left->required(), right->required();
+  left->needs(right);
+}
+
+void add_name(CLI::App* word, Options& options) {
+  word->add_option("-n,--name", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
 }
 
 void add_words(CLI::App& app, Options& options, Word& word) {
@@ -58,7 +65,7 @@ void add_words(CLI::App& app, Options& options, Word& word) {
   sub->add_option("--size", options.size, "Size of the images, where IN does not know it")->type_name("WxH");
   add_reading(sub, options);
   sub = add("solve", "Calibrate from pairs of images of a board", solve);
-  add_pairs(sub, options);
+  add_pairs(sub, options, true);
   add_board(sub, options.board, true);
   sub->add_option("-o,--output", options.output, "Calibration to write")->type_name("FILE");
   sub->add_option("--format", options.format, "svs, opencv or ros; without it by the ending")
@@ -68,26 +75,33 @@ void add_words(CLI::App& app, Options& options, Word& word) {
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
   sub->add_flag("--json", options.json, "As JSON");
-  sub = add("check", "Measure on pairs of images whether a calibration holds, and say what to do", check);
-  add_pairs(sub, options);
+  sub = add("check", "Measure on pairs of images, or without any on the running daemon's, whether a calibration holds, and say what to do",
+            check);
+  add_pairs(sub, options, false);
   sub->add_option("--calibration", options.calibration, "Calibration to check; without it [image source] paramfile")->type_name("FILE");
   sub->add_option("-c,--config", options.config, "vdisp.cfg to compare pitch and height with")->type_name("FILE");
   sub->add_option("--set", options.sets, "Override one parameter; may be repeated")
       ->type_name("SECTION.KEY=VALUE")
       ->allow_extra_args(false);
   sub->add_option("--pairs", options.most_pairs, "Look at so many pairs, from the first on")
-      ->check(CLI::Range(1, 100000))
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  sub->add_option("--seconds", options.seconds, "Running daemon: take the pairs over so long; 0 = 5")
+      ->check(CLI::Range(0.0, 600.0))
+      ->capture_default_str();
+  add_name(sub, options);
   add_board(sub, options.board, false);
   sub->add_flag("--json", options.json, "As JSON");
   sub = add("capture", "Take views of a board from the running daemon, those that are worth it", capture);
   sub->add_option("DIR", options.output, "Folder; views become DIR/left/000000.png, DIR/right/000000.png, ...")->required();
   add_board(sub, options.board, true);
   sub->add_option("--views", options.views, "Views to take")->check(CLI::Range(5, 1000))->capture_default_str();
+  sub->add_flag("--window", options.window,
+                "Show the views, the board found and what is missing in a window: space takes a view, u takes the last one back, q ends");
   sub->add_option("--seconds", options.seconds, "End after so long; 0 = when all is taken, or at Ctrl-C")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  sub->add_option("-n,--name", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
+  add_name(sub, options);
 }
 
 int complain(int code, const std::string& what) {

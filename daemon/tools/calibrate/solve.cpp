@@ -129,13 +129,14 @@ int solve(const Options& options) {
     std::cout << to_json(solution, views).dump(2) << '\n';
   else
     print(views), print(solution);
-  std::fflush(stdout);
+  const bool told = std::fflush(stdout) == 0 && std::cout.flush();
   if (!options.report.empty()) write_report(options.report, solution, views);
   if (!solution.faults.empty()) throw ToolError(EX_CONFIG, refusal(solution));
   if (!options.output.empty()) {
     write_calibration(solution.calibration, format, options.output);
     if (!options.json) std::cout << options.output << ": written\n";
   }
+  if (!told) throw ToolError(EX_IOERR, "standard output cannot be written");
   return EX_OK;
 }
 

@@ -35,10 +35,9 @@ class NoImu final : public ImageProcessor {
 
 }  // namespace
 
-StageRun run_stages(const Config& config, int most) {
+StageRun run_stages(std::unique_ptr<StereoSource> source, const Config& config, int most) {
   Machine machine(config.main.threads);
   Driver driver(0);
-  auto source = open_source(config);
   StereoSource& stereo = *source;
   StageRun run;
   run.calibration = stereo.calibration();

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
 #include "config/config.h"
 #include "daemon/geometry/calibration.h"
+#include "daemon/sources/source.h"
 #include "ipc/records.h"
 
 namespace vdisp::calibrate {
@@ -25,7 +27,7 @@ struct StageRun {
   int bad = 0;
 };
 
-/// At most `most` pairs of [image source]. Throws SourceError, CalibrationError, FormatError.
-StageRun run_stages(const Config& config, int most);
+/// At most `most` pairs of the source. Throws SourceError, CalibrationError, FormatError.
+StageRun run_stages(std::unique_ptr<StereoSource> source, const Config& config, int most);
 
 }  // namespace vdisp::calibrate

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double at_rest = 0.002;  // of the width, from frame to frame: 1.3 px of 640
 constexpr double another_view = 0.12;
-constexpr double tilted = 0.08;  // perspective of some 20 degrees at usual distances
-constexpr int covered = 6;       // corners in a ninth of the image
+constexpr double least_tilt = 0.08;  // perspective of some 20 degrees at usual distances
+constexpr int enough_corners = 6;    // corners in a ninth of the image
 
 double motion(const BoardView& a, const BoardView& b) {
   if (a.ids != b.ids || a.empty()) return 1e9;
@@ -28,7 +28,9 @@ double difference(const Appearance& a, const Appearance& b) {
 
 }  // namespace
 
-Appearance ViewCollector::appearance(const BoardView& view) const {
+const char* const tilt_names[tilts] = {"its left side nearer", "its right side nearer", "its top nearer", "its bottom nearer"};
+
+TakenView ViewCollector::described(const BoardView& view) const {
   // The outermost corners that are seen, as the board has them.
   const auto places = board_.places(view.ids);
   const auto extreme = [&](float along, float down) {
@@ -41,40 +43,56 @@ Appearance ViewCollector::appearance(const BoardView& view) const {
   const cv::Point2d middle = 0.25 * (a + b + c + d), one = c - a, other = d - b;
   const auto ratio = [](double x, double y) { return std::log(std::max(x, 1.0) / std::max(y, 1.0)); };
   const double area = 0.5 * std::abs(one.cross(other)), width = size_.width, height = size_.height;
-  return {middle.x / width, middle.y / height, std::sqrt(area / (width * height)), ratio(cv::norm(d - a), cv::norm(c - b)),
-          ratio(cv::norm(b - a), cv::norm(c - d))};
+  TakenView taken;
+  taken.appearance = {middle.x / width, middle.y / height, std::sqrt(area / (width * height)), ratio(cv::norm(d - a), cv::norm(c - b)),
+                      ratio(cv::norm(b - a), cv::norm(c - d))};
+  taken.outline = {cv::Point2f(a), cv::Point2f(b), cv::Point2f(c), cv::Point2f(d)};
+  for (const cv::Point2f& corner : view.corners) {
+    const int column = std::clamp(static_cast<int>(3 * corner.x / static_cast<float>(size_.width)), 0, 2);
+    const int row = std::clamp(static_cast<int>(3 * corner.y / static_cast<float>(size_.height)), 0, 2);
+    ++taken.cells[static_cast<size_t>(3 * row + column)];
+  }
+  return taken;
 }
 
-Look ViewCollector::consider(const BoardView& left, const BoardView& right) {
+Look ViewCollector::consider(const BoardView& left, const BoardView& right, bool asked) {
   const double moved = std::max(motion(left, last_[0]), motion(right, last_[1]));
   last_[0] = left;
   last_[1] = right;
   if (left.empty() || right.empty()) return Look::no_board;
-  if (moved > at_rest * size_.width) return Look::moving;
-  const Appearance now = appearance(left);
-  for (const Appearance& before : appearances_)
-    if (difference(now, before) < another_view) return Look::known;
-  appearances_.push_back(now);
-  for (const cv::Point2f& corner : left.corners) {
-    const int column = std::clamp(static_cast<int>(3 * corner.x / static_cast<float>(size_.width)), 0, 2);
-    const int row = std::clamp(static_cast<int>(3 * corner.y / static_cast<float>(size_.height)), 0, 2);
-    ++cells_[static_cast<size_t>(3 * row + column)];
-  }
+  if (!asked && moved > at_rest * size_.width) return Look::moving;
+  const TakenView now = described(left);
+  for (const auto* all : {&views_, &undone_})
+    for (const TakenView& before : *all)
+      if (!asked && difference(now.appearance, before.appearance) < another_view) return Look::known;
+  views_.push_back(now);
+  for (size_t i = 0; i < cells_.size(); ++i) cells_[i] += now.cells[i];
   return Look::taken;
+}
+
+void ViewCollector::undo() {
+  if (views_.empty()) return;
+  for (size_t i = 0; i < cells_.size(); ++i) cells_[i] -= views_.back().cells[i];
+  undone_.push_back(views_.back());
+  views_.pop_back();
+}
+
+bool ViewCollector::covered(size_t cell) const { return cells_[cell] >= enough_corners; }
+
+bool ViewCollector::tilted(size_t tilt) const {
+  return std::any_of(views_.begin(), views_.end(), [tilt](const TakenView& view) {
+    const double sign = tilt % 2 == 0 ? 1 : -1;
+    return sign * (tilt < 2 ? view.appearance.across : view.appearance.down) > least_tilt;
+  });
 }
 
 std::string ViewCollector::missing() const {
   std::string text;
   const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
   for (size_t i = 0; i < 9; ++i)
-    if (cells_[i] < covered) add(std::string("board ") + (i == 4 ? "in the " : "at the ") + cell_names[i]);
-  const auto seen = [this](double Appearance::*tilt, double sign) {
-    return std::any_of(appearances_.begin(), appearances_.end(), [&](const Appearance& a) { return sign * a.*tilt > tilted; });
-  };
-  if (!seen(&Appearance::across, 1)) add("its left side nearer");
-  if (!seen(&Appearance::across, -1)) add("its right side nearer");
-  if (!seen(&Appearance::down, 1)) add("its top nearer");
-  if (!seen(&Appearance::down, -1)) add("its bottom nearer");
+    if (!covered(i)) add(std::string("board ") + (i == 4 ? "in the " : "at the ") + cell_names[i]);
+  for (size_t i = 0; i < tilts; ++i)
+    if (!tilted(i)) add(tilt_names[i]);
   return text;
 }
 

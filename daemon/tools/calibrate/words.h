@@ -26,7 +26,7 @@ struct BoardOptions {
 struct Options {
   std::string input, output, format, size;
   ReadingOptions reading;
-  bool json = false;
+  bool json = false, window = false;
   std::string left, right;
   BoardOptions board;
   std::string report;
