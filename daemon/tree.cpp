@@ -139,9 +139,10 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   Handles views{left, right};
   const bool floors = config.detects("vdisparity"), snow = config.detects("snow");
   if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
-  const auto disparity =
-      driver.add("disparity", make_unique<Disparity>(machine, config), views, snow && !floors ? Need::on_demand : Need::always);
+  const Need matches = snow && !floors ? Need::on_demand : Need::always;  // census_disparity is all that snow needs
+  const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, matches);
   driver.set_result(disparity);
+  driver.add("row_error", make_unique<CalibrationWatcher>(config), {left, right, disparity}, matches);
 
   Handles ways;
   if (floors) ways = config.floor.model == "line" ? add_line_branch(trunk, disparity) : add_plane_branch(trunk, disparity);
