@@ -12,6 +12,7 @@ import signal
 import statistics
 import subprocess
 import sys
+import termios
 import time
 
 from drive import Controller, Daemon, drive, wheels
@@ -246,6 +247,30 @@ class Drive(ProgramTest):
                 # And from a stand, by the acceleration: 0.5 m/s^2 are 25 mm/s from command to command.
                 self.assertLess(max(next(w for w in others if w != (0, 0))), 60)
             self.says("is open again")
+
+    def test_a_port_with_modem_lines_is_opened_by_libserialport_and_works_alike(self):
+        shim = {**os.environ, "LD_PRELOAD": str(BIN / "vdisp_modem_lines.so")}
+        traced = subprocess.run(["ldd", BIN / "vdisp-drive"], capture_output=True, text=True).stdout
+        self.assertIn("libserialport", traced)
+        with Daemon() as daemon:
+            with Running("vdisp-drive", "--port", self.controller.port, "--set", "drive.baud=57600", env=shim) as self.link:
+                for turn in range(3):
+                    self.driven(daemon)
+                    self.assertEqual(self.controller.baud(), termios.B57600)
+                    self.assertLess(self.controller.stopped_after(daemon.tell("blind")), LIMIT)
+                    self.controller.unplug()
+                    self.says("motors stopped: no serial port")
+                    self.controller.plug()
+                self.driven(daemon)
+                with Running("vdisp-drive", "--port", self.controller.port, env=shim) as second:
+                    self.assertTrue(wait_until(lambda: "in use by another program" in second.text()), second.text())
+                self.link.process.terminate()
+                self.assertEqual(self.link.process.wait(5), 0)
+                self.assertTrue(wait_until(lambda: self.controller.wheels() == (0, 0)))
+            # Speeds that only libserialport knows: without modem lines they are refused.
+            with Running("vdisp-drive", "--port", self.controller.port, "--set", "drive.baud=100000", env=shim) as self.link:
+                self.driven(daemon)
+        self.assert_refused(run("vdisp-drive", "--port", self.controller.port, "--set", "drive.baud=100000"), 78, "baud = 100000")
 
     def test_a_port_in_use_is_said_and_taken_when_it_is_free(self):
         with Daemon() as daemon, drive(self.controller.port) as first:
