@@ -112,6 +112,7 @@ double take_pairs(const Options& options, const fs::path& folder, Comparison& co
     if (taken == options.frames) metres = write_calibration(folder / "rectified.yml", left);
     set.release();
   }
+  comparison.frames = taken;
   return end > begin ? std::clamp(static_cast<double>(taken - 1) * 1e9 / static_cast<double>(end - begin), 0.1, 1000.0) : 0;
 }
 

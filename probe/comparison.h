@@ -45,7 +45,8 @@ struct ComparedStage {
 
 struct Comparison {
   std::vector<std::string> changes;  ///< "image source.thresh: 10 -> 20"
-  uint64_t first = 0, last = 0;      ///< frames of the daemon; the last one is compared
+  uint64_t frames = 0;               ///< so many pairs were taken
+  uint64_t first = 0, last = 0;      ///< the daemon's numbers of them; the last one is compared
   int picture_rows = 0;
   std::vector<ComparedStage> stages;  ///< in the daemon's order, those that both have
 };

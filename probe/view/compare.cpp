@@ -31,8 +31,8 @@ std::string json(const Comparison& comparison) {
 std::string words(const Comparison& comparison) {
   std::string text;
   for (const std::string& change : comparison.changes) text += change + "\n";
-  text += format("frame %llu, after %llu of the same frames each; without odometry, IMU and what was seen before\n",
-                 static_cast<unsigned long long>(comparison.last), static_cast<unsigned long long>(comparison.last - comparison.first));
+  text += format("frame %llu, the last of %llu that both runs begin with; not repeated: odometry, IMU, what was seen before\n",
+                 static_cast<unsigned long long>(comparison.last), static_cast<unsigned long long>(comparison.frames));
   for (const ComparedStage& stage : comparison.stages) text += format("%-18s ", stage.topic.c_str()) + difference_words(stage) + "\n";
   return text;
 }
