@@ -43,7 +43,11 @@ std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_
     const bool known = input.last < 0 ? input.topic >= 0 && input.topic < static_cast<int>(topics_.size())
                                       : input.last < static_cast<int>(delayed_.size());
     if (!known) throw FormatError("stage '" + names.at(0) + "': an input does not exist yet; stages are added after their inputs");
-    if (stage.inputs.empty() && input.last >= 0)
+    const bool source = dynamic_cast<const ImageSource*>(processor.get()) != nullptr;
+    if (source && input.last < 0)
+      throw FormatError("stage '" + names.at(0) + "': a source, its input '" + name_of(input) +
+                        "' is of this frame; needed is one of the last: the source begins the frame");
+    if (stage.inputs.empty() && input.last >= 0 && !source)
       throw FormatError("stage '" + names.at(0) + "': its first input is the last '" + name_of(input) +
                         "', needed is one of this frame: it gives frame and time");
     if (stage.inputs.empty() && input.even_blind)
@@ -163,7 +167,7 @@ Outcome Driver::step() noexcept {
     if (!stages_[i].runs) continue;
     const Outcome result = run(stages_[i]);
     if (result == Outcome::end) return Outcome::end;
-    if (result == Outcome::invalid && stages_[i].inputs.empty()) outcome = Outcome::invalid;
+    if (result == Outcome::invalid && stages_[i].begins()) outcome = Outcome::invalid;
     publish_after(static_cast<int>(i));
   }
   for (Delayed& delayed : delayed_) {
@@ -187,7 +191,7 @@ Outcome Driver::run(Stage& stage) noexcept {
     const int topic = stage.outputs[i];
     Image& image = slots_[topic].outlet->loan();
     Image::make(&image, topics_[topic].spec);
-    if (!stage.in.empty()) image.describe_like(*stage.in[0]);
+    if (!stage.begins()) image.describe_like(*stage.in[0]);
     image.sequence = steps_;
     image.epoch = epoch_;
     image.config_generation = config_generation_;

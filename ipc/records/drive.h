@@ -34,9 +34,9 @@ struct Decision {
   RecordHeader header;
   Steering steering;
   Decider decider;
-  double clearness;      ///< 0 = as near as the rover may come, 1 = nothing is near: what speed is derived from
-  double since_s;        ///< how long the steering is this one
-  uint64_t changes;      ///< of the steering, since the start
+  double clearness;  ///< 0 = as near as the rover may come, 1 = nothing is near: what speed is derived from
+  double since_s;    ///< how long the steering is this one
+  uint64_t changes;  ///< of the steering, since the start
 };
 
 /// `drive`: what the rover is to do now, and until timeout without a newer one. Blind: stop.
@@ -56,12 +56,12 @@ struct CrossCheck {
   static constexpr RecordType type = RecordType::cross_check;
   static constexpr uint16_t version = 1;
   RecordHeader header;
-  uint32_t agree;         ///< 1: both free, or both not
-  uint32_t map_free;      ///< 1: the map's corridor is free as far as `corridor_m`
-  uint32_t snow_free;     ///< 1: the classifier says free
+  uint32_t agree;      ///< 1: both free, or both not
+  uint32_t map_free;   ///< 1: the map's corridor is free as far as `corridor_m`
+  uint32_t snow_free;  ///< 1: the classifier says free
   uint32_t unused;
-  double corridor_m;      ///< to the first cell of the corridor that is not free
-  double disagreeing_s;   ///< without a pause, until now
+  double corridor_m;     ///< to the first cell of the corridor that is not free
+  double disagreeing_s;  ///< without a pause, until now
   uint64_t agreed, only_map_free, only_snow_free;
 };
 
