@@ -41,6 +41,8 @@ class StereoSource : public ImageSource {
   virtual const Odometry* odometry() const noexcept { return nullptr; }
   /// What its IMU told when the last pair was taken, likewise.
   virtual const Imu* imu() const noexcept { return nullptr; }
+  /// Whether it takes the tree's last drive command (ImageSource::heeds), as a simulated robot does.
+  bool driven() const { return !heeds().empty(); }
   /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
   virtual void add_truth(Driver&, Handle) {}
 };

@@ -1,0 +1,31 @@
+// robot_track.h: the way of a simulated robot and the world around it, as two CSV files.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "daemon/sim/simulator.h"
+
+namespace vdisp {
+
+/// Writes `world.csv` at once (a line for each thing: what it is, then its corners x, y) and a line of `track.csv` for each frame.
+class RobotTrack {
+ public:
+  /// Throws SourceError 73 where a file cannot be made.
+  RobotTrack(const std::filesystem::path& folder, const std::vector<sim::WorldOutline>& world);
+  /// Not on the tree's thread: it writes to a file. What does not fit is said once, at the end.
+  void add(double time_s, const sim::RobotReport& report, Steering ordered) noexcept;
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  using File = std::unique_ptr<std::FILE, Close>;
+  static File make(const std::filesystem::path& path);
+  File file_;
+};
+
+}  // namespace vdisp
