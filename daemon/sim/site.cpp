@@ -49,16 +49,18 @@ SceneObject part(ObjectKind kind, double x, double z, double width, double depth
 }
 
 void Site::wall(const Spot& a, const Spot& b, double height, const Finish& finish, double width) {
-  SceneObject o = part(ObjectKind::wall, (a.x + b.x) / 2, (a.z + b.z) / 2, distance(a, b) + width, width, 0, height, finish);
+  SceneObject o = part(ObjectKind::wall, (a.x + b.x) / 2, (a.z + b.z) / 2, distance(a, b), width, 0, height, finish);
   o.yaw = std::atan2(b.z - a.z, b.x - a.x);
   add(o);
 }
 
 void Site::enclose(const Spot& far, double height, const Finish& finish) {
-  wall({0, 0}, {far.x, 0}, height, finish);
-  wall({far.x, 0}, far, height, finish);
-  wall(far, {0, far.z}, height, finish);
-  wall({0, far.z}, {0, 0}, height, finish);
+  // Each goes on behind the next one's corner.
+  constexpr double more = wall_width / 2;
+  wall({-more, 0}, {far.x + more, 0}, height, finish);
+  wall({far.x, -more}, {far.x, far.z + more}, height, finish);
+  wall({far.x + more, far.z}, {-more, far.z}, height, finish);
+  wall({0, far.z + more}, {0, -more}, height, finish);
   world.middle = {far.x / 2, far.z / 2};
   world.extent = std::max(far.x, far.z) / 2 + 0.5;
 }
