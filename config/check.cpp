@@ -30,6 +30,13 @@ class Check {
            value("Floor.anglefloorMin") + ", must be less than " + value("Floor.anglefloorMax"));
   }
 
+  void decide() {
+    if (config_.decide.leastSpeed > config_.decide.speed)
+      refuse({"decide.leastSpeed", "decide.speed"}, value("decide.leastSpeed") + ", must be at most " + value("decide.speed"));
+    if (config_.decide.near >= config_.decide.far)
+      refuse({"decide.near", "decide.far"}, value("decide.near") + ", must be less than " + value("decide.far"));
+  }
+
   void cells(const char* side, double metres) {
     const double count = std::round(metres / config_.map.cell);
     if (count >= 1 && count <= most_cells) return;
@@ -120,6 +127,7 @@ std::vector<Contradiction> check(const Config& config) {
   check.search();
   check.floor();
   check.angle();
+  check.decide();
   check.cells("Map.range", config.map.range);
   check.cells("Map.width", config.map.width);
   return std::move(check.found);

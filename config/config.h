@@ -52,6 +52,7 @@ struct Config {
   map_section map;
   ipc_section ipc;
   memory_section memory;
+  decide_section decide;
   control_section control;
   sim_section sim;
 

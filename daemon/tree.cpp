@@ -4,7 +4,9 @@
 
 #include "daemon/control/republish.h"
 #include "daemon/sources/camera_report.h"
+#include "daemon/stages/decide.h"
 #include "daemon/stages/disparity.h"
+#include "daemon/stages/drive.h"
 #include "daemon/stages/floor.h"
 #include "daemon/stages/fused_map.h"
 #include "daemon/stages/height.h"
@@ -24,9 +26,75 @@
 #include "daemon/stages/vdisparity.h"
 
 namespace vdisp {
+namespace {
+
+using std::make_unique;
+using Handles = std::vector<Handle>;
+
+/// What all branches need.
+struct Trunk {
+  Driver& driver;
+  Machine& machine;
+  const Config& config;
+  Handle left, right;  // rectified
+  Handles in;          // odometry, imu, drive, event
+};
+
+/// The first paper as it is: the floor is a line in the v-disparity. Gives the map.
+Handles add_line_branch(const Trunk& t, Handle disparity) {
+  const auto& [driver, machine, config, left, right, in] = t;
+  const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
+  const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
+  const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
+  const auto map = driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
+
+  // For the eye: run only while somebody looks, and after the map.
+  driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
+  driver.add_set({"segments", "segment_obstacles"}, make_unique<Segments>(config), {disparity, even_blind(floor[1])});
+  driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
+  driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
+  driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
+  return {map};
+}
+
+/// The floor is a plane with a profile on it. Gives the map that remembers, with its reasons.
+Handles add_plane_branch(const Trunk& t, Handle disparity) {
+  const auto& [driver, machine, config, left, right, in] = t;
+  const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config),
+                                    {disparity, left, even_blind(in[1])}, Need::always);
+  const auto over =
+      driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1], left});
+  const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
+                                     {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
+  driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
+  driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
+
+  const auto memory = driver.add("memory", make_unique<OdometryCheck>(config),
+                                 {ground[0], even_blind(in[0]), driver.last("tracks", record_spec<Tracks>())}, Need::always);
+  driver.add("tracks", make_unique<ObstacleTracks>(config), {ground[0], ground[1], over[2], over[0], floor[1], memory}, Need::always);
+  const auto fused = driver.add_set({"fused", "fused_reason"}, make_unique<FusedMap>(config),
+                                    {ground[0], ground[1], disparity, floor[1], memory}, Need::always);
+  driver.add("fused_changes", make_unique<MapComparison>(), {fused[0]}, Need::always);
+
+  const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
+  const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
+  driver.add("obstacles", make_unique<ShowSurface>(), {over[1]});
+  driver.add_set({"segments", "segment_obstacles"}, make_unique<Segments>(config), {disparity, even_blind(floor[1])});
+  driver.add("show_scene", make_unique<ShowScene>(config), {left, over[1], ground[0], floor[1]});
+  driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
+  driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
+  return fused;
+}
+
+/// What the rover is to do, of all that the detectors say of the way.
+void add_drive(const Trunk& t, const Handles& ways) {
+  const auto decision = t.driver.add("decision", make_unique<Decide>(t.config), ways, Need::always);
+  t.driver.add("drive", make_unique<Drive>(t.config), {even_blind(decision), even_blind(t.in[2])}, Need::always);
+}
+
+}  // namespace
 
 void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& machine, const Config& config, Inputs& inputs) {
-  using std::make_unique;
   StereoSource& stereo = *source;
   const auto calibration = stereo.calibration();
 
@@ -41,50 +109,14 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
                                  {}, Need::always);
   const auto left = driver.add("left", make_unique<Rectify>(Side::left, calibration, machine, config), {camera[0]});
   const auto right = driver.add("right", make_unique<Rectify>(Side::right, calibration, machine, config), {camera[1]});
+  const Trunk trunk{driver, machine, config, left, right, in};
+
   // The floor of the last frame tells the matcher where to expect this one's.
-  std::vector<Handle> views{left, right};
+  Handles views{left, right};
   const bool floors = config.main.detectors == "vdisparity";
   if (floors) views.push_back(driver.last("floor_model", record_spec<FloorModel>()));
   const auto disparity = driver.add("disparity", make_unique<Disparity>(machine, config), views, Need::always);
-
-  const bool line = config.floor.model == "line";
-  if (floors && line) {
-    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
-    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<Floor>(machine, config), {vdisparity}, Need::always);
-    const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
-    driver.add("map", make_unique<Map>(machine, config), {disparity, limit, floor[1]}, Need::always);
-
-    // For the eye: run only while somebody looks, and after the map.
-    driver.add("obstacles", make_unique<ShowObstacle>(machine), {disparity, limit});
-    driver.add_set({"segments", "segment_obstacles"}, make_unique<Segments>(config), {disparity, even_blind(floor[1])});
-    driver.add("height", make_unique<Height>(config), {disparity, floor[1]});
-    driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
-    driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
-  } else if (floors) {
-    const auto floor = driver.add_set({"floor", "floor_model"}, make_unique<PlaneFloor>(machine, config),
-                                      {disparity, left, even_blind(in[1])}, Need::always);
-    const auto over =
-        driver.add_set({"height", "surface", "standing", "hanging"}, make_unique<Surfaces>(machine, config), {disparity, floor[1], left});
-    const auto ground = driver.add_set({"occupancy", "reason"}, make_unique<Occupancy>(machine, config),
-                                       {disparity, over[1], over[0], over[2], over[3], floor[1], left}, Need::always);
-    driver.add("map_changes", make_unique<MapComparison>(), {ground[0]}, Need::always);
-    driver.add("map", make_unique<Map>(machine, config), {over[2], floor[1]}, Need::always);
-
-    const auto memory = driver.add("memory", make_unique<OdometryCheck>(config),
-                                   {ground[0], even_blind(in[0]), driver.last("tracks", record_spec<Tracks>())}, Need::always);
-    driver.add("tracks", make_unique<ObstacleTracks>(config), {ground[0], ground[1], over[2], over[0], floor[1], memory}, Need::always);
-    const auto fused = driver.add_set({"fused", "fused_reason"}, make_unique<FusedMap>(config),
-                                      {ground[0], ground[1], disparity, floor[1], memory}, Need::always);
-    driver.add("fused_changes", make_unique<MapComparison>(), {fused[0]}, Need::always);
-
-    const auto limit = driver.add("limit", make_unique<Limit>(config), {floor[0], floor[1]});
-    const auto vdisparity = driver.add("vdisparity", make_unique<VDisparity>(machine, config), {disparity});
-    driver.add("obstacles", make_unique<ShowSurface>(), {over[1]});
-    driver.add_set({"segments", "segment_obstacles"}, make_unique<Segments>(config), {disparity, even_blind(floor[1])});
-    driver.add("show_scene", make_unique<ShowScene>(config), {left, over[1], ground[0], floor[1]});
-    driver.add("show_floor", make_unique<ShowLine>(std::array<uint8_t, 3>{255, 60, 60}), {vdisparity, floor[0]});
-    driver.add("show_limit", make_unique<ShowLine>(std::array<uint8_t, 3>{80, 160, 255}), {vdisparity, limit});
-  }
+  if (floors) add_drive(trunk, config.floor.model == "line" ? add_line_branch(trunk, disparity) : add_plane_branch(trunk, disparity));
   stereo.add_truth(driver, camera[0]);
 }
 

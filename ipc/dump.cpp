@@ -122,6 +122,10 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   if (const MapChanges* changes = record_of<MapChanges>(image)) json_->records[topic] = changes_json(*changes);
   if (const Memory* memory = record_of<Memory>(image)) json_->records[topic] = memory_json(*memory);
   if (const Tracks* tracks = record_of<Tracks>(image)) json_->records[topic] = tracks_json(*tracks);
+  if (const SnowScores* scores = record_of<SnowScores>(image)) json_->records[topic] = scores_json(*scores);
+  if (const Decision* decision = record_of<Decision>(image)) json_->records[topic] = decision_json(*decision);
+  if (const DriveCommand* command = record_of<DriveCommand>(image)) json_->records["drive_command"] = command_json(*command);
+  if (const CrossCheck* check = record_of<CrossCheck>(image)) json_->records[topic] = check_json(*check);
   if (const CameraStatus* cameras = record_of<CameraStatus>(image)) json_->records["camera_status"] = cameras_json(*cameras);
   if (image.spec.pixel != Pixel::record) add_picture(topic, image);
 }

@@ -195,6 +195,46 @@ ordered_json tracks_json(const Tracks& tracks) {
   return json;
 }
 
+ordered_json scores_json(const SnowScores& s) {
+  return {{"free", number(s.free)},
+          {"obstacle", number(s.obstacle)},
+          {"left", number(s.left)},
+          {"right", number(s.right)},
+          {"free_difference", number(s.free_difference)},
+          {"left_difference", number(s.left_difference)},
+          {"obstacle_sensitivity", number(s.obstacle_sensitivity)},
+          {"direction_sensitivity", number(s.direction_sensitivity)},
+          {"encoding", s.encoding},
+          {"active", s.active}};
+}
+
+ordered_json decision_json(const Decision& d) {
+  return {{"steering", name(d.steering)},
+          {"decider", name(d.decider)},
+          {"clearness", number(d.clearness)},
+          {"since_s", number(d.since_s)},
+          {"changes", d.changes}};
+}
+
+ordered_json command_json(const DriveCommand& c) {
+  return {{"speed", number(c.speed)},
+          {"turn_rate", number(c.turn_rate)},
+          {"steering", name(c.steering)},
+          {"decider", name(c.decider)},
+          {"slowed", c.slowed != 0}};
+}
+
+ordered_json check_json(const CrossCheck& c) {
+  return {{"agree", c.agree != 0},
+          {"map_free", c.map_free != 0},
+          {"snow_free", c.snow_free != 0},
+          {"corridor_m", number(c.corridor_m)},
+          {"disagreeing_s", number(c.disagreeing_s)},
+          {"agreed", c.agreed},
+          {"only_map_free", c.only_map_free},
+          {"only_snow_free", c.only_snow_free}};
+}
+
 ordered_json cameras_json(const CameraStatus& status) {
   ordered_json json{{"pairs", status.pairs},           {"skipped", status.skipped},          {"apart_ms", number(status.apart_ms)},
                     {"age_ms", number(status.age_ms)}, {"exchanged", status.exchanged != 0}, {"cameras", status.cameras}};

@@ -21,6 +21,10 @@ nlohmann::ordered_json scene_json(const TruthScene& scene);
 nlohmann::ordered_json changes_json(const MapChanges& changes);
 nlohmann::ordered_json memory_json(const Memory& memory);
 nlohmann::ordered_json tracks_json(const Tracks& tracks);
+nlohmann::ordered_json scores_json(const SnowScores& scores);
+nlohmann::ordered_json decision_json(const Decision& decision);
+nlohmann::ordered_json command_json(const DriveCommand& command);
+nlohmann::ordered_json check_json(const CrossCheck& check);
 /// `camera/status`, as the member `camera_status`.
 nlohmann::ordered_json cameras_json(const CameraStatus& status);
 nlohmann::ordered_json camera_json(const CameraGeometry& camera);

@@ -220,6 +220,63 @@ std::vector<std::string> tracks_text(const Tracks& tracks) {
   return lines;
 }
 
+const char* steering_words(Steering steering) {
+  switch (steering) {
+    case Steering::forward: return "forward";
+    case Steering::turn_left: return "turn left";
+    case Steering::turn_right: return "turn right";
+    case Steering::count: break;
+  }
+  return "a state this version does not know";
+}
+
+const char* decider_words(Decider decider) {
+  switch (decider) {
+    case Decider::none: return "nobody";
+    case Decider::vdisparity: return "the map (v-disparity)";
+    case Decider::snow: return "the classifiers (SNoW)";
+    case Decider::operator_order: return "the operator";
+    case Decider::count: break;
+  }
+  return "one this version does not know";
+}
+
+std::vector<std::string> scores_text(const SnowScores& s) {
+  const bool free = s.free_difference + s.obstacle_sensitivity > 0, left = s.left_difference + s.direction_sensitivity > 0;
+  return {std::string("way         ") + (free ? "free" : "obstacle"),
+          "obstacle    " + or_dash("free %.3f", s.free) + or_dash(", obstacle %.3f", s.obstacle) + or_dash(": %+.4f", s.free_difference) +
+              or_dash(", sensitivity %+.4f", s.obstacle_sensitivity),
+          std::string("to evade    ") + (left ? "left" : "right"),
+          "direction   " + or_dash("left %.3f", s.left) + or_dash(", right %.3f", s.right) + or_dash(": %+.4f", s.left_difference) +
+              or_dash(", sensitivity %+.4f", s.direction_sensitivity),
+          format("features    %u active", s.active)};
+}
+
+std::vector<std::string> decision_text(const Decision& d) {
+  return {std::string("decision    ") + steering_words(d.steering), std::string("by          ") + decider_words(d.decider),
+          "clearness   " + or_dash("%.0f %%", d.clearness, 100), "since       " + or_dash("%.1f s", d.since_s),
+          "changes     " + std::to_string(d.changes)};
+}
+
+std::vector<std::string> command_text(const DriveCommand& c) {
+  std::vector<std::string> lines{"speed       " + or_dash("%.3f m/s", c.speed), "turn rate   " + or_dash("%+.3f rad/s", c.turn_rate),
+                                 std::string("by          ") + decider_words(c.decider),
+                                 std::string("decision    ") + steering_words(c.steering)};
+  if (c.slowed) lines.push_back("slowed      the detectors disagree");
+  return lines;
+}
+
+std::vector<std::string> check_text(const CrossCheck& c) {
+  const auto words = [](uint32_t free) { return free ? "free" : "not free"; };
+  std::vector<std::string> lines{std::string("map         ") + words(c.map_free) + or_dash(", %.2f m", c.corridor_m),
+                                 std::string("classifier  ") + words(c.snow_free),
+                                 c.agree ? "they        agree" : "they        disagree since" + or_dash(" %.1f s", c.disagreeing_s),
+                                 "agreed      " + std::to_string(c.agreed) + " frames",
+                                 "only map    free in " + std::to_string(c.only_map_free),
+                                 "only SNoW   free in " + std::to_string(c.only_snow_free)};
+  return lines;
+}
+
 std::vector<std::string> cameras_text(const CameraStatus& status) {
   const auto number = [](uint64_t value) { return std::to_string(value); };
   std::vector<std::string> lines{"pairs       " + number(status.pairs) + ", " + number(status.skipped) + " too many for the tree",
@@ -267,6 +324,10 @@ std::vector<std::string> record_text(const Image& image) {
   if (const MapChanges* changes = record_of<MapChanges>(image)) return changes_text(*changes);
   if (const Memory* memory = record_of<Memory>(image)) return memory_text(*memory);
   if (const Tracks* tracks = record_of<Tracks>(image)) return tracks_text(*tracks);
+  if (const SnowScores* scores = record_of<SnowScores>(image)) return scores_text(*scores);
+  if (const Decision* decision = record_of<Decision>(image)) return decision_text(*decision);
+  if (const DriveCommand* command = record_of<DriveCommand>(image)) return command_text(*command);
+  if (const CrossCheck* check = record_of<CrossCheck>(image)) return check_text(*check);
   if (const CameraStatus* status = record_of<CameraStatus>(image)) return cameras_text(*status);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};
 }

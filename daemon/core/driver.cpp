@@ -50,9 +50,6 @@ std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_
     if (stage.inputs.empty() && input.last >= 0 && !source)
       throw FormatError("stage '" + names.at(0) + "': its first input is the last '" + name_of(input) +
                         "', needed is one of this frame: it gives frame and time");
-    if (stage.inputs.empty() && input.even_blind)
-      throw FormatError("stage '" + names.at(0) + "': its first input '" + name_of(input) +
-                        "' may be blind; needed is one that may not: it gives frame and time");
     stage.inputs.push_back(input);
     in.push_back(spec_of(input));
   }

@@ -24,7 +24,8 @@ struct Handle {
   int topic = -1, last = -1;
   bool even_blind = false;  ///< its reader runs also where it is blind
 };
-/// The same input for a reader that has an answer where it is blind (what comes in, say) and asks valid().
+/// The same input for a reader that has an answer where it is blind (what comes in, say) and asks valid(). A first input, too: it gives
+/// frame and time also where it is blind.
 constexpr Handle even_blind(Handle input) {
   input.even_blind = true;
   return input;

@@ -326,11 +326,14 @@ TEST_F(DelayedTest, a_step_without_a_frame_leaves_it_as_it_is_and_the_sequence_t
 TEST_F(DelayedTest, an_input_that_may_be_blind_blinds_nobody) {
   camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
   const Handle guess = driver.add("guess", std::make_unique<Sometimes>(&model_runs, 1), {camera});
-  EXPECT_THROW(driver.add("first", std::make_unique<LookBack>(&seen), {even_blind(guess), camera}), FormatError);
+  std::vector<LookBack::Seen> first_seen;
+  driver.add("first", std::make_unique<LookBack>(&first_seen), {even_blind(guess), even_blind(guess)}, Need::always);
   driver.add("reader", std::make_unique<LookBack>(&seen), {camera, even_blind(guess)}, Need::always);
   connect();
   steps(3);
   ASSERT_EQ(seen.size(), 3u);
+  ASSERT_EQ(first_seen.size(), 3u) << "also where its first input is blind";
+  EXPECT_EQ(image("first").timestamp_ns, image("camera").timestamp_ns);
   EXPECT_TRUE(image("reader").valid());
   EXPECT_EQ(seen[0].age, 0u) << "it is of this frame";
   EXPECT_FALSE(seen[1].valid);

@@ -1,0 +1,171 @@
+// snow_model_test.cpp: a model file comes back as it was, and no damaged one is believed.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <sysexits.h>
+
+#include <fstream>
+
+#include "daemon/snow/model.h"
+#include "daemon/snow/model_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace vdisp::snow {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Weights {
+  std::vector<float> of[4];
+  Weights() {
+    for (size_t i = 0; i < 4; ++i) {
+      of[i].resize(vector_length);
+      for (uint32_t id = 0; id < vector_length; id += 100003) of[i][id] = static_cast<float>(id % 97 + 1) * static_cast<float>(i + 1);
+      of[i][1309489] = static_cast<float>(i + 1) / 8;
+    }
+  }
+};
+
+ModelParts parts_of(const Weights& weights) {
+  ModelParts parts;
+  parts.settings.block = 7;
+  parts.settings.confidence = 0.25;
+  parts.settings.smooth = Smooth::median;
+  parts.obstacle.sensitivity = -0.5;
+  parts.obstacle.winnow.theta = 2;
+  parts.direction.first = 4788;
+  parts.free = weights.of[0], parts.obstacles = weights.of[1], parts.left = weights.of[2], parts.right = weights.of[3];
+  parts.sources = {{"drives/office 7", 1, false}, {"drives/collision", 3, false}, {"drives/garage", 1, true}};
+  return parts;
+}
+
+class ModelFile : public testing::Test {
+ protected:
+  ModelFile() { write_model(file_, parts_of(weights_)); }
+  /// What open says of the file.
+  std::string complaint() const {
+    try {
+      Model::open(file_);
+    } catch (const ModelError& error) {
+      EXPECT_EQ(error.exit_code, EX_CONFIG);
+      return error.what();
+    }
+    return "";
+  }
+  void change(size_t byte) const {
+    std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(byte));
+    const char old = static_cast<char>(file.get());
+    file.seekp(static_cast<std::streamoff>(byte));
+    file.put(static_cast<char>(old ^ 0x10));
+  }
+
+  TemporaryFolder folder_;
+  fs::path file_ = folder_ / "a.model";
+  Weights weights_;
+};
+
+TEST_F(ModelFile, holds_what_was_written) {
+  const Model model = Model::open(file_);
+  EXPECT_EQ(model.settings(), parts_of(weights_).settings);
+  EXPECT_EQ(model.obstacle_training().sensitivity, -0.5);
+  EXPECT_EQ(model.direction_training().first, 4788u);
+  EXPECT_EQ(model.sources(), parts_of(weights_).sources);
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::equal(weights_.of[i].begin(), weights_.of[i].end(), model.weights(i).begin())) << i;
+  const uint32_t ids[] = {1309489, 100003};
+  EXPECT_DOUBLE_EQ(model.obstacle(ids).first, 0.125 + 100003 % 97 + 1);
+  EXPECT_DOUBLE_EQ(model.direction(ids).second, 0.5 + 4 * (100003 % 97 + 1));
+  EXPECT_DOUBLE_EQ(Model::difference({5, 2}, model.obstacle_training()), 1.5);
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(model.weights(0).data()) % 4096, 0u);
+}
+
+TEST_F(ModelFile, same_parts_give_the_same_bytes_and_leave_nothing_else) {
+  write_model(folder_ / "b.model", parts_of(weights_));
+  const auto bytes = [](const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(bytes(file_), bytes(folder_ / "b.model"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
+}
+
+TEST_F(ModelFile, is_refused_with_any_byte_of_its_header_changed) {
+  for (size_t byte = 0; byte < model_page; ++byte) {
+    change(byte);
+    ASSERT_NE(complaint(), "") << byte;
+    change(byte);
+  }
+  EXPECT_EQ(complaint(), "");
+}
+
+TEST_F(ModelFile, is_refused_with_a_weight_or_its_list_changed) {
+  for (const size_t byte :
+       {model_page, model_page + 4 * 1309489ul, model_page + model_weights_bytes / 2 + 1, model_page + model_weights_bytes - 1}) {
+    change(byte);
+    EXPECT_NE(complaint().find("damaged: the checksum of its weights"), std::string::npos) << byte;
+    change(byte);
+  }
+  change(model_page + model_weights_bytes + 5);
+  EXPECT_NE(complaint().find("list of recordings"), std::string::npos);
+}
+
+TEST_F(ModelFile, is_refused_cut_off_anywhere_or_with_more_behind_it) {
+  const size_t whole = fs::file_size(file_);
+  fs::resize_file(file_, whole + 1);
+  EXPECT_NE(complaint().find("behind its end"), std::string::npos);
+  for (const size_t bytes : {whole - 1, model_page + model_weights_bytes, model_page + 1, model_page}) {
+    fs::resize_file(file_, bytes);
+    EXPECT_NE(complaint().find("cut off: " + std::to_string(bytes)), std::string::npos) << complaint();
+  }
+  for (size_t bytes = model_page - 1; bytes > 0; --bytes) {
+    fs::resize_file(file_, bytes);
+    ASSERT_NE(complaint(), "") << bytes;
+  }
+  fs::resize_file(file_, 0);
+  EXPECT_NE(complaint().find("is empty"), std::string::npos);
+}
+
+TEST_F(ModelFile, of_another_version_says_which) {
+  std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary).seekp(8).put(2);
+  EXPECT_NE(complaint().find("is of version 2, needed is 1"), std::string::npos) << complaint();
+}
+
+TEST_F(ModelFile, of_another_front_end_names_all_that_differs) {
+  const Model model = Model::open(file_);
+  Settings wanted = model.settings();
+  EXPECT_NO_THROW(model.require(wanted, "[census]"));
+  wanted.encoding = Encoding::contour;
+  wanted.width = 640, wanted.height = 480;
+  wanted.block = 9;
+  try {
+    model.require(wanted, "[census]");
+    FAIL();
+  } catch (const ModelError& error) {
+    EXPECT_EQ(error.what(), file_.string() +
+                                ": was trained with another front end than that of [census]: encoding is depth-map and not contour, "
+                                "size is 320x240 and not 640x480, block is 7 and not 9");
+  }
+}
+
+TEST_F(ModelFile, missing_or_no_file_is_said) {
+  EXPECT_THROW(Model::open(folder_ / "none"), ModelError);
+  try {
+    Model::open(folder_ / "none");
+  } catch (const ModelError& error) {
+    EXPECT_EQ(error.exit_code, EX_NOINPUT);
+  }
+  EXPECT_THROW(Model::open(folder_.path()), ModelError);
+}
+
+TEST_F(ModelFile, that_cannot_be_written_leaves_the_old_one) {
+  EXPECT_THROW(write_model(folder_ / "no such folder" / "b.model", parts_of(weights_)), ModelError);
+  ModelParts broken = parts_of(weights_);
+  broken.sources = {{"a\nb", 1, false}};
+  EXPECT_THROW(write_model(file_, broken), ModelError);
+  EXPECT_EQ(complaint(), "");
+  fs::create_directory(folder_ / "folder");
+  EXPECT_THROW(write_model(folder_ / "folder", parts_of(weights_)), ModelError);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
+}
+
+}  // namespace
+}  // namespace vdisp::snow
