@@ -17,6 +17,7 @@
 #include "daemon/log/edges.h"
 #include "daemon/log/log.h"
 #include "daemon/options.h"
+#include "daemon/recorder.h"
 #include "daemon/tree.h"
 #include "ipc/shm.h"
 
@@ -36,7 +37,8 @@ class Run {
         edges_(config_, [this] { return source_ ? source_->fault() : std::string_view(); }),
         inputs_(config_),
         machine_(config_.main.threads, options.cpu),
-        driver_(wall_clock_ns()) {
+        epoch_(wall_clock_ns()),
+        driver_(epoch_) {
     cv::setNumThreads(config_.main.threads);
     log::debug("kernels for {}, threads: {}", machine_.level, machine_.bands.threads());
     auto source = open_source(config_);
@@ -45,10 +47,12 @@ class Run {
     if (!options.dot.empty()) write_graph(driver_, options.dot);
     if (!options.dump.empty()) dump_.emplace(options.dump);
     publish();
+    if (!options.record.empty()) record_ = start_record(options.record, driver_, config_, source_->calibration(), epoch_);
     if (dump_) driver_.need_all();
     driver_.set_viewer([this](const Topic& topic, const Image& image) {
       edges_.see(topic, image);
       if (dump_) dump_->see(topic, image);
+      if (record_) record_->see(topic, image);
     });
   }
 
@@ -69,9 +73,14 @@ class Run {
       if (driver_.steps() == 1)
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
+      if (record_) record_->finish_step();
       if (options_.frames && driver_.steps() >= options_.frames) break;
       wait_for_next(
           due, stop_asked, [this] { return period_ns(); }, [this] { driver_.beat(), serve(); });
+    }
+    if (record_) {
+      record_->finish();
+      log::info("{} pairs recorded in {}", record_->pairs(), options_.record);
     }
   }
 
@@ -95,8 +104,8 @@ class Run {
         shared_.emplace(ShmOptions{config_.main.name, config_.ipc.group, static_cast<uint32_t>(config_.ipc.memory)}, topics);
       } catch (const ShmError& error) {
         // A recording can be evaluated beside the daemon that serves the rover.
-        if (!dump_ || error.exit_code != EX_UNAVAILABLE) throw;
-        log::warn("{}; this run only writes {}", error.what(), options_.dump);
+        if ((!dump_ && options_.record.empty()) || error.exit_code != EX_UNAVAILABLE) throw;
+        log::warn("{}; this run only writes {}", error.what(), dump_ ? options_.dump : options_.record);
       }
     }
     if (shared_) control_.emplace(config_, options_.file, inputs_, [](std::string_view line) { log::warn("{}", line); });
@@ -121,11 +130,13 @@ class Run {
   log::Edges edges_;
   Inputs inputs_;
   Machine machine_;
+  const uint64_t epoch_;
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
   std::optional<SharedMemory> shared_;
   std::optional<CommandSocket> control_;
   std::optional<Dump> dump_;
+  std::unique_ptr<Record> record_;
 };
 
 int main(int argc, char** argv) {

@@ -93,6 +93,10 @@ Parsed parse_options(int argc, char** argv) {
   app.add_option("--dump", options.dump, "Compute all stages and write each frame to DIR/000000, DIR/000001, ...")
       ->type_name("DIR")
       ->check(not_empty);
+  app.add_option("--record", options.record,
+                 "Record every step to the folder DIR: pairs with labels, and what came in; source = files replays it")
+      ->type_name("DIR")
+      ->check(not_empty);
   app.add_option("--cpu", options.cpu, "Instruction set of the kernels, here " + instruction_sets() + "; auto is the last of them")
       ->type_name("LEVEL")
       ->check(known_instruction_set);

@@ -15,6 +15,7 @@ struct Options {
   Config config;
   std::string file;          ///< the vdisp.cfg it was read from; empty: none
   std::string dump;          ///< folder; empty: none
+  std::string record;        ///< folder; empty: none
   std::string dot;           ///< file; empty: none
   std::string cpu = "auto";  ///< a level of kernels::levels(), or auto
   uint64_t frames = 0;       ///< 0: until the source ends

@@ -59,6 +59,53 @@ std::string encode_png(PngKind kind, int width, int height, const std::function<
   return bytes;
 }
 
+namespace {
+
+struct Unread {
+  std::string_view bytes;
+};
+
+void take(png_structp png, png_bytep data, size_t length) {
+  auto& unread = *static_cast<Unread*>(png_get_io_ptr(png));
+  if (unread.bytes.size() < length) png_error(png, "is truncated");
+  std::memcpy(data, unread.bytes.data(), length);
+  unread.bytes.remove_prefix(length);
+}
+
+[[noreturn]] void give_up(png_structp, const char* message) { throw std::runtime_error(message); }
+void pass_over(png_structp, const char*) {}
+
+}  // namespace
+
+std::string decode_gray8(std::string_view bytes, int width, int height, const std::function<void*(int)>& row) {
+  Unread unread{bytes};
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, give_up, pass_over);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  std::string fault = info ? "" : "libpng: out of memory";
+  try {
+    if (fault.empty()) {
+      png_set_read_fn(png, &unread, take);
+      png_read_info(png, info);
+      const bool gray8 = png_get_color_type(png, info) == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png, info) == 8 &&
+                         png_get_interlace_type(png, info) == PNG_INTERLACE_NONE;
+      const auto found_width = png_get_image_width(png, info), found_height = png_get_image_height(png, info);
+      if (!gray8) {
+        fault = "is not 8 bit grey";
+      } else if (found_width != static_cast<uint32_t>(width) || found_height != static_cast<uint32_t>(height)) {
+        fault = "is " + std::to_string(found_width) + "x" + std::to_string(found_height) + ", not " + std::to_string(width) + "x" +
+                std::to_string(height);
+      } else {
+        for (int y = 0; y < height; ++y) png_read_row(png, static_cast<png_bytep>(row(y)), nullptr);
+        png_read_end(png, nullptr);
+      }
+    }
+  } catch (const std::runtime_error& error) {
+    fault = std::string("is damaged: ") + error.what();
+  }
+  png_destroy_read_struct(&png, &info, nullptr);
+  return fault;
+}
+
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
   const std::filesystem::path part = part_of(path);
   const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);

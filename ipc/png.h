@@ -29,6 +29,10 @@ enum class PngKind { gray8, gray16, rgb8 };
 /// The same pixels give the same bytes. `row(y)` is asked for each row once, from the top.
 std::string encode_png(PngKind kind, int width, int height, const std::function<const void*(int y)>& row);
 
+/// The pixels of a PNG of 8 bit grey and this size. Empty where it was whole, else what is wrong with it; nothing is promised of the rows
+/// then.
+std::string decode_gray8(std::string_view bytes, int width, int height, const std::function<void*(int y)>& row);
+
 /// Writes a file so that a reader finds the old one, none, or the whole new one. Throws WriteError and leaves nothing behind.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 

@@ -120,6 +120,15 @@ int Driver::find_delayed(const std::string& reader, Delayed& delayed) {
   return delayed.topic;
 }
 
+bool Driver::need(const std::string& topic) {
+  for (const Topic& known : topics_) {
+    if (known.name != topic) continue;
+    stages_[static_cast<size_t>(known.stage)].need = Need::always;
+    return true;
+  }
+  return false;
+}
+
 void Driver::need_all() { need_all_ = true; }
 
 std::vector<Topic> Driver::published_topics() const {
@@ -171,6 +180,7 @@ Outcome Driver::step() noexcept {
     if (delayed.image) delayed.image->end_step(outcome == Outcome::valid);
   }
   ++steps_;
+  ++sequence_;
   if (outcome == Outcome::invalid) ++blind_steps_;
   step_total_ns_ += monotonic_ns() - start;
   return outcome;
@@ -189,7 +199,7 @@ Outcome Driver::run(Stage& stage) noexcept {
     Image& image = slots_[topic].outlet->loan();
     Image::make(&image, topics_[topic].spec);
     if (!stage.begins()) image.describe_like(*stage.in[0]);
-    image.sequence = steps_;
+    image.sequence = sequence_;
     image.epoch = epoch_;
     image.config_generation = config_generation_;
     slots_[topic].image = stage.out[i] = &image;

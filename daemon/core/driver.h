@@ -70,9 +70,14 @@ class Driver {
   void connect(const OutletFactory& outlet);
   /// Of all images from the next step on.
   void set_config_generation(uint64_t generation) noexcept { config_generation_ = generation; }
+  /// The topic's stage runs in every step, watched or not. False: there is no such topic.
+  bool need(const std::string& topic);
   /// Every stage runs in every step, watched or not.
   void need_all();
 
+  /// The number of the next frame, where a recording tells it; each one after that has the next number.
+  void set_sequence(uint64_t sequence) noexcept { sequence_ = sequence; }
+  uint64_t sequence() const { return sequence_; }
   /// One frame through the tree. invalid: the source had no frame, the step was blind.
   Outcome step() noexcept;
   /// Publishes heartbeat and catalogue when they are due. Call between steps, and at least five times a second while waiting.
@@ -119,6 +124,7 @@ class Driver {
   Viewer viewer_;
   bool need_all_ = false;
   uint64_t steps_ = 0, blind_steps_ = 0;
+  uint64_t sequence_ = 0;  // of the next frame
   int64_t step_total_ns_ = 0, last_beat_ns_ = 0, last_catalogue_ns_ = 0;
   std::array<int64_t, 32> step_starts_{};  // of the last steps, a ring: the period is theirs, so that a pause is soon forgotten
 };
