@@ -7,7 +7,7 @@
 namespace vdisp::sim {
 
 Expert::Turns Expert::look_round(const FloorPlan& plan, const Robot& robot) const {
-  constexpr double step = 0.0873;  // 5 deg
+  constexpr double step = 0.0873;      // 5 deg
   constexpr int steps = 36, seen = 6;  // the camera sees 29 deg to each side
   Turns turns{M_PI, M_PI, 0};
   for (int i = 1; i <= steps && (i <= seen || turns.left == M_PI || turns.right == M_PI); ++i) {
@@ -32,7 +32,7 @@ const Expert::Judgement& Expert::judge(const FloorPlan& plan, const Robot& robot
   if (now.way < (now.steering == Steering::forward ? near : clear)) {
     const Turns turns = look_round(plan, robot);
     const double shorter = turns.right - turns.left;  // to the left
-    const bool left = now.steering == Steering::forward ? (std::abs(shorter) > alike ? shorter > 0 : turns.lean > 0)
+    const bool left = now.steering == Steering::forward     ? (std::abs(shorter) > alike ? shorter > 0 : turns.lean > 0)
                       : now.steering == Steering::turn_left ? shorter > -much
                                                             : shorter > much;
     next = left ? Steering::turn_left : Steering::turn_right;

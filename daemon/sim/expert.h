@@ -10,12 +10,12 @@ namespace vdisp::sim {
 
 class Expert {
  public:
-  static constexpr double half_strip = 0.32;       ///< m to each side of the robot's middle that must be free
+  static constexpr double half_strip = 0.32;        ///< m to each side of the robot's middle that must be free
   static constexpr double near = 1.0, clear = 1.2;  ///< m from its middle: nearer is an obstacle; free again
-  static constexpr double open = 1.4;              ///< m: a direction that is worth turning to
-  static constexpr double far = 4;                 ///< m it looks
+  static constexpr double open = 1.4;               ///< m: a direction that is worth turning to
+  static constexpr double far = 4;                  ///< m it looks
   static constexpr double speed = 0.5, turn = 0.8;  ///< m/s, rad/s
-  static constexpr double room = 0.3;              ///< m from its middle to the next thing: enough to turn on the spot
+  static constexpr double room = 0.3;               ///< m from its middle to the next thing: enough to turn on the spot
 
   struct Judgement {
     Steering steering = Steering::forward;

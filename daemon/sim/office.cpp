@@ -25,7 +25,8 @@ std::vector<SceneObject> cabinet(Chance& chance, double width, double depth) {
 std::vector<SceneObject> desk(Chance& chance, double width, double depth) {
   const Finish wood = wooden(chance);
   std::vector<SceneObject> parts{part(ObjectKind::beam, 0, 0, width, depth, 0.69, 0.73, wood)};
-  for (const double side : {-1.0, 1.0}) parts.push_back(part(ObjectKind::box, side * (width / 2 - 0.03), 0, 0.05, depth * 0.9, 0, 0.69, wood));
+  for (const double side : {-1.0, 1.0})
+    parts.push_back(part(ObjectKind::box, side * (width / 2 - 0.03), 0, 0.05, depth * 0.9, 0, 0.69, wood));
   if (chance.below(2)) parts.push_back(part(ObjectKind::box, 0, depth * 0.3, width - 0.1, 0.03, 0.2, 0.69, wood));
   // A screen or a pile of paper on it.
   if (chance.below(2))
@@ -35,7 +36,8 @@ std::vector<SceneObject> desk(Chance& chance, double width, double depth) {
 
 std::vector<SceneObject> chair(Chance& chance) {
   const Finish cloth{Surface::bark, chance.between(40, 160), 0.9};
-  return {part(ObjectKind::post, 0, 0, 0.5, 0.5, 0, 0.09, {Surface::stone, 60, 0.7}), part(ObjectKind::post, 0, 0, 0.08, 0.08, 0, 0.42, {Surface::stone, 60, 0.7}),
+  return {part(ObjectKind::post, 0, 0, 0.5, 0.5, 0, 0.09, {Surface::stone, 60, 0.7}),
+          part(ObjectKind::post, 0, 0, 0.08, 0.08, 0, 0.42, {Surface::stone, 60, 0.7}),
           part(ObjectKind::box, 0, 0, 0.46, 0.44, 0.42, 0.5, cloth), part(ObjectKind::box, 0, 0.2, 0.42, 0.06, 0.5, 0.95, cloth)};
 }
 
@@ -45,7 +47,8 @@ std::vector<SceneObject> bin(Chance& chance) {
 }
 
 std::vector<SceneObject> plant(Chance& chance) {
-  return {part(ObjectKind::post, 0, 0, 0.36, 0.36, 0, 0.4, {Surface::stone, 130, 1}), part(ObjectKind::rock, 0, 0, 0.6, 0.6, 0, chance.between(0.9, 1.3), {Surface::bark, 80, 1.2})};
+  return {part(ObjectKind::post, 0, 0, 0.36, 0.36, 0, 0.4, {Surface::stone, 130, 1}),
+          part(ObjectKind::rock, 0, 0, 0.6, 0.6, 0, chance.between(0.9, 1.3), {Surface::bark, 80, 1.2})};
 }
 
 /// Something along one of the room's walls, its back to it.
@@ -54,7 +57,10 @@ bool along_wall(Site& site, const Room& room, const std::vector<SceneObject>& pa
   const double off = Site::wall_width / 2 + slit + depth / 2, half = width / 2 + 0.15;
   const int side = site.chance.below(4);
   const double x = site.chance.between(room.x0 + half, room.x1 - half), z = site.chance.between(room.z0 + half, room.z1 - half);
-  const Spot at = side == 0 ? Spot{x, room.z1 - off} : side == 1 ? Spot{room.x0 + off, z} : side == 2 ? Spot{x, room.z0 + off} : Spot{room.x1 - off, z};
+  const Spot at = side == 0   ? Spot{x, room.z1 - off}
+                  : side == 1 ? Spot{room.x0 + off, z}
+                  : side == 2 ? Spot{x, room.z0 + off}
+                              : Spot{room.x1 - off, z};
   return site.put(parts, at, side * M_PI / 2, width, depth, Site::passage, 2 * slit);
 }
 
@@ -89,10 +95,8 @@ void front(Site& site, const Room& room, const Finish& finish) {
   const bool glazed = site.glazier.below(5) < 2;
   if (kind == 3) {
     // A lobby; with glass, a front of panes beside its doorway.
-    if (site.glass()) {
-      site.pane({room.x0, z}, {door, z});
-      site.pane({door + gap, z}, {room.x1, z});
-    }
+    site.pane({room.x0, z}, {door, z});
+    site.pane({door + gap, z}, {room.x1, z});
     site.keep_clear({door + gap / 2, z}, 1.1);
     return;
   }
@@ -104,7 +108,7 @@ void front(Site& site, const Room& room, const Finish& finish) {
   } else if (kind <= 2) {
     const double open = chance.between(1.3, 1.7), size = gap - 0.1, hinge = door + 0.02;
     site.wall({hinge, z + inwards * 0.1}, {hinge + size * std::cos(open), z + inwards * (0.1 + size * std::sin(open))}, 2, leaf, 0.05);
-  } else if (site.glass() && glazed) {
+  } else if (glazed) {
     site.pane({door, z}, {door + gap, z});
   }
 }
@@ -138,7 +142,8 @@ void windows(Site& site, const Spot& far) {
 void build_office(Site& site) {
   Chance& chance = site.chance;
   const double length = chance.between(16, 24), wide = chance.between(1.9, 2.6), south = chance.between(4, 6), north = chance.between(4, 6);
-  const Finish outer{Surface::bricks, chance.between(120, 180), 0.9}, inner{chance.below(2) ? Surface::stone : Surface::bricks, chance.between(130, 190), 0.8};
+  const Finish outer{Surface::bricks, chance.between(120, 180), 0.9},
+      inner{chance.below(2) ? Surface::stone : Surface::bricks, chance.between(130, 190), 0.8};
   const Spot far{length, south + wide + north};
   site.enclose(far, tall, outer);
   site.world.ceiling = tall;

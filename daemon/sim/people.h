@@ -14,14 +14,14 @@ namespace vdisp::sim {
 /// Somebody who walks along a line to its end and back.
 struct Walker {
   std::vector<Spot> way;
-  double speed = 1;      ///< m/s
-  double start = 0;      ///< m along the way at the beginning
+  double speed = 1;  ///< m/s
+  double start = 0;  ///< m along the way at the beginning
   double brightness = 110;
 };
 
 class People {
  public:
-  static constexpr size_t parts = 4;    ///< two legs, trunk, head
+  static constexpr size_t parts = 4;      ///< two legs, trunk, head
   static constexpr double respect = 1.1;  ///< m ahead of them, to a robot's middle, in which they stop
   static constexpr double patience = 3;   ///< s; then they walk back
 

@@ -42,8 +42,8 @@ class Ride {
   Expert expert_;
   Chance chance_;
   RobotReport report_{};
-  Spot refuge_, anchor_;  ///< the last place with room; where it was when it last made progress
-  double unmoved_ = 0;    ///< s since then
+  Spot refuge_, anchor_;                        ///< the last place with room; where it was when it last made progress
+  double unmoved_ = 0;                          ///< s since then
   bool put_back_ = false, free_again_ = false;  ///< at the next step: to the refuge, to any place
 };
 

@@ -9,13 +9,13 @@ namespace vdisp::sim {
 
 class Robot {
  public:
-  static constexpr double side = 0.4, height = 0.8;  ///< m
-  static constexpr double climbs = 0.05;             ///< m: wheels roll over what is no higher
-  static constexpr double wheel_base = 0.36;         ///< m
-  static constexpr double most_wheel_speed = 1;      ///< m/s
+  static constexpr double side = 0.4, height = 0.8;     ///< m
+  static constexpr double climbs = 0.05;                ///< m: wheels roll over what is no higher
+  static constexpr double wheel_base = 0.36;            ///< m
+  static constexpr double most_wheel_speed = 1;         ///< m/s
   static constexpr double speeding = 1, braking = 1.5;  ///< m/s^2 of a wheel: away from standing, towards it
-  static constexpr double most_back = 0.3;           ///< m/s
-  static constexpr double most_turn = 1.5;           ///< rad/s
+  static constexpr double most_back = 0.3;              ///< m/s
+  static constexpr double most_turn = 1.5;              ///< rad/s
 
   Spot spot;           ///< the middle, which it turns about
   double heading = 0;  ///< rad, positive to the left

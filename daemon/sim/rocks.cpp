@@ -24,21 +24,20 @@ void build_rocks(Site& site) {
   }
   for (int i = 0; i < 14; ++i) {
     const double width = chance.between(0.16, 0.5);
-    site.put({part(ObjectKind::post, 0, 0, width, width, 0, chance.between(1.6, 3), {Surface::bark, chance.between(80, 150), 1})}, anywhere(),
-             chance.between(-M_PI, M_PI), width, width, Site::passage);
+    site.put({part(ObjectKind::post, 0, 0, width, width, 0, chance.between(1.6, 3), {Surface::bark, chance.between(80, 150), 1})},
+             anywhere(), chance.between(-M_PI, M_PI), width, width, Site::passage);
   }
   // Pebbles that wheels roll over.
   for (int i = 0; i < 40; ++i) {
     const double width = chance.between(0.06, 0.14);
-    site.put({part(ObjectKind::rock, 0, 0, width, width, 0, chance.between(0.02, 0.05), {Surface::stone, chance.between(90, 190), 1})}, anywhere(), 0, width,
-             width, 0.05);
+    site.put({part(ObjectKind::rock, 0, 0, width, width, 0, chance.between(0.02, 0.05), {Surface::stone, chance.between(90, 190), 1})},
+             anywhere(), 0, width, width, 0.05);
   }
-  if (site.glass())
-    for (int i = 0; i < 6; ++i) {
-      const Spot a{site.glazier.between(2, side - 4), site.glazier.between(2, side - 4)};
-      const double turn = site.glazier.between(0, M_PI);
-      if (distance(a, start) > 4) site.pane(a, {a.x + 2 * std::cos(turn), a.z + 2 * std::sin(turn)});
-    }
+  for (int i = 0; i < 6; ++i) {
+    const Spot a{site.glazier.between(2, side - 4), site.glazier.between(2, side - 4)};
+    const double turn = site.glazier.between(0, M_PI);
+    if (distance(a, start) > 4) site.pane(a, {a.x + 2 * std::cos(turn), a.z + 2 * std::sin(turn)});
+  }
   site.start_at(start, chance.between(-M_PI, M_PI));
 }
 

@@ -108,12 +108,13 @@ void Site::start_at(const Spot& spot, double heading) {
 }
 
 World make_world(const sim_section& parameters) {
-  Site site(static_cast<uint64_t>(parameters.seed), parameters.glass);
+  Site site(static_cast<uint64_t>(parameters.seed));
   const bool office = parameters.scene == "office", garage = parameters.scene == "garage";
   site.world.ground_brightness = site.chance.between(80, 150);
   office ? build_office(site) : garage ? build_garage(site) : build_rocks(site);
   World& world = site.world;
   invite(world, site.chance, office ? 4 : garage ? 2 : 1);
+  if (!parameters.glass) world.panes.clear();
   if (world.ceiling > 0) {
     const Finish plaster{Surface::stone, 190, 0.5};
     world.objects.push_back(part(ObjectKind::beam, world.middle.x, world.middle.z, 2 * world.extent, 2 * world.extent, world.ceiling,

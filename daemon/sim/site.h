@@ -20,12 +20,11 @@ class Site {
   static constexpr double wall_width = 0.14;  ///< m
   static constexpr double passage = 0.9;      ///< m between things, so that a robot comes through or sees that it does not
 
-  Site(uint64_t seed, bool glass) : chance(seed * 2 + 0x0ff1ce), glazier(seed * 2 + 0x91a55), glass_(glass) {}
+  explicit Site(uint64_t seed) : chance(seed * 2 + 0x0ff1ce), glazier(seed * 2 + 0x91a55) {}
 
   Chance chance;
-  Chance glazier;  ///< numbers of its own, so that the same seed without glass is the same world
+  Chance glazier;  ///< for panes, which are always built, and taken out again where no glass is wanted: all else stays as it is
   World world;
-  bool glass() const { return glass_; }
 
   void wall(const Spot& a, const Spot& b, double height, const Finish& finish, double width = wall_width);
   /// Four walls round (0, 0) to `far`.
@@ -45,7 +44,6 @@ class Site {
     Spot spot;
     double radius;
   };
-  bool glass_;
   std::vector<Clear> clear_;
 };
 

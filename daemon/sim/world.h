@@ -15,9 +15,9 @@ struct World {
   std::vector<SceneObject> panes;    ///< glass: solid, and seen by nobody
   std::vector<Walker> walkers;
   Spot middle;
-  double extent = 12;         ///< m: half the side of a square round all of it
-  double ceiling = 0;         ///< m over the ground; 0: the sky
-  Point to_light{0, -1, 0};   ///< towards the sun, or the lamps
+  double extent = 12;        ///< m: half the side of a square round all of it
+  double ceiling = 0;        ///< m over the ground; 0: the sky
+  Point to_light{0, -1, 0};  ///< towards the sun, or the lamps
   double ground_brightness = 112;
 };
 

@@ -8,7 +8,7 @@
 namespace vdisp {
 namespace {
 
-constexpr double least_zone = 0.3;    // m from the nearest cell in view, in which the ground must be known
+constexpr double least_zone = 0.3;  // m from the nearest cell in view, in which the ground must be known
 constexpr double most_unknown = 1.0 / 3;
 constexpr double step_rad = 0.0873, most_rad = 1.05;  // 5 degrees up to 60
 
