@@ -32,10 +32,12 @@ RobotTrack::RobotTrack(const std::filesystem::path& folder, const std::vector<si
 }
 
 void RobotTrack::add(double time_s, const sim::RobotReport& r, Steering ordered) noexcept {
+  if (failed_) return;
   const std::string_view steering = name(ordered), expert = name(r.steering);
   std::fprintf(file_.get(), "%.4f,%.4f,%.4f,%.5f,%.4f,%.4f,%.*s,%.*s,%.4f,%.3f,%d,%d,%s\n", time_s, r.x, r.y, r.yaw, r.speed, r.turn_rate,
                static_cast<int>(steering.size()), steering.data(), static_cast<int>(expert.size()), expert.data(), r.clearance, r.travelled,
                r.collided, r.stuck, r.collided && r.met ? r.met : "");
+  failed_ = std::ferror(file_.get()) != 0;
 }
 
 }  // namespace vdisp

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,8 +17,10 @@ class RobotTrack {
  public:
   /// Throws SourceError 73 where a file cannot be made.
   RobotTrack(const std::filesystem::path& folder, const std::vector<sim::WorldOutline>& world);
-  /// Not on the tree's thread: it writes to a file. What does not fit is said once, at the end.
+  /// Not on the tree's thread: it writes to a file.
   void add(double time_s, const sim::RobotReport& report, Steering ordered) noexcept;
+  /// Something could not be written; from then on nothing is.
+  bool failed() const { return failed_; }
 
  private:
   struct Close {
@@ -26,6 +29,7 @@ class RobotTrack {
   using File = std::unique_ptr<std::FILE, Close>;
   static File make(const std::filesystem::path& path);
   File file_;
+  std::atomic<bool> failed_ = false;
 };
 
 }  // namespace vdisp

@@ -93,6 +93,10 @@ class SimSource final : public StereoSource {
   const Odometry* odometry() const noexcept override { return config_.sim.odometry ? &pose_ : nullptr; }
   const Imu* imu() const noexcept override { return config_.sim.imu ? &imu_ : nullptr; }
   bool news(std::string& line) override {
+    if (track_ && track_->failed() && !told_failure_) {
+      line = "sim: " + config_.sim.track + "/track.csv cannot be written: it ends early";
+      return told_failure_ = true;
+    }
     if (!robot_ || (robot_->collisions == told_collisions_ && robot_->stuck_times == told_stuck_)) return false;
     const bool collision = robot_->collisions != told_collisions_;
     char text[160];
@@ -144,6 +148,7 @@ class SimSource final : public StereoSource {
   sim::Order order_{};  // of the last frame
   Steering ordered_ = Steering::forward;
   uint64_t told_collisions_ = 0, told_stuck_ = 0;
+  bool told_failure_ = false;
   // While ready_ the views belong to grab(), else to the painter; a world's painter waits until it is asked.
   bool ready_ = false, asked_ = false, ending_ = false;
   uint64_t frame_ = 0;
