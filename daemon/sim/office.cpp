@@ -67,8 +67,8 @@ bool along_wall(Site& site, const Room& room, const std::vector<SceneObject>& pa
 void furnish(Site& site, const Room& room) {
   Chance& chance = site.chance;
   const double area = (room.x1 - room.x0) * (room.z1 - room.z0);
-  const int things = std::max(2, static_cast<int>(area / 5));
-  for (int i = 0, attempt = 0; i < things && attempt < 60; ++attempt) {
+  const int things = std::max(2, static_cast<int>(area / 4));
+  for (int i = 0, attempt = 0; i < things && attempt < 200; ++attempt) {
     const Spot at{chance.between(room.x0 + 0.9, room.x1 - 0.9), chance.between(room.z0 + 0.9, room.z1 - 0.9)};
     const double yaw = chance.below(4) * M_PI / 2 + chance.between(-0.3, 0.3);
     const double width = chance.between(0.6, 1.5);

@@ -199,9 +199,10 @@ class Renderer final : public Simulator {
     for (int tile = 0; tile < rays.tiles(); ++tile) {
       const size_t first = static_cast<size_t>(tile) * Rays::tile_pixels;
       const int u = tile % rays.tiles_x * Rays::tile_width, v = tile / rays.tiles_x * Rays::tile_height;
-      const bool objects = marks_[static_cast<size_t>(tile)] != 0;
+      const uint8_t mark = marks_[static_cast<size_t>(tile)];
+      const bool objects = mark != 0;
       shader_.aim(look, &rays.x[first], &rays.y[first], batch_);
-      if (objects) tracer_->trace(*draw_, look, batch_);
+      if (objects) tracer_->trace(*draw_, look, mark, batch_);
       shader_.colour(look, objects, batch_);
       if (look.covered >= 0) std::fill(std::begin(batch_.gray), std::end(batch_.gray), look.covered);
       alignas(64) uint8_t pixels[Rays::tile_pixels];
@@ -220,7 +221,8 @@ class Renderer final : public Simulator {
     for (int tile = 0; tile < ideal_.tiles(); ++tile) {
       const size_t first = static_cast<size_t>(tile) * Rays::tile_pixels;
       shader_.aim(look, &ideal_.x[first], &ideal_.y[first], truth_batch_);
-      if (truth_marks_[static_cast<size_t>(tile)]) tracer_->trace(*measure_, look, truth_batch_);
+      const uint8_t mark = truth_marks_[static_cast<size_t>(tile)];
+      if (mark) tracer_->trace(*measure_, look, mark, truth_batch_);
       for (int i = 0; i < Rays::tile_pixels; ++i) {
         const int u = tile % ideal_.tiles_x * Rays::tile_width + i % Rays::tile_width,
                   v = tile / ideal_.tiles_x * Rays::tile_height + i / Rays::tile_width;

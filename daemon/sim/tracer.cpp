@@ -14,6 +14,7 @@ namespace vdisp::sim {
 namespace {
 
 constexpr float nearest = 0.05f;  // m: a camera's nose
+constexpr uint8_t fixed_marked = 1, moving_marked = 2;
 
 /// Where the corners' hull lies in a view, in units of x / z; false: behind it.
 bool outline(const Look& look, const Corners& corners, Rays::Bounds& bounds) {
@@ -57,6 +58,7 @@ struct Tracer::Shapes {
   };
   RTCScene moving_scene = nullptr;
   std::vector<Moving> moving;
+  std::vector<Corners> moving_corners;
   ~Shapes() {
     if (moving_scene) rtcReleaseScene(moving_scene);
     if (scene) rtcReleaseScene(scene);
@@ -92,6 +94,7 @@ struct Tracer::Shapes {
     }
     rtcReleaseGeometry(geometry);  // the scene keeps it
     moving.push_back(std::move(part));
+    moving_corners.emplace_back();
     return fits;
   }
 };
@@ -151,6 +154,7 @@ void Tracer::move(const Scene& scene) noexcept {
       part.vertices[3 * k + 1] = static_cast<float>(ground + y);
       part.vertices[3 * k + 2] = static_cast<float>(o.z + s * x + c * z);
     }
+    shapes_->moving_corners[i] = boxes_around(o, ground)[0];
     rtcUpdateGeometryBuffer(part.geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(part.geometry);
   }
@@ -164,7 +168,7 @@ std::unique_ptr<Tracer::Probe, Tracer::EraseProbe> Tracer::make_probe() const {
   return probe;
 }
 
-void Tracer::trace(Probe& probe, const Look& look, Batch& batch) const noexcept {
+void Tracer::trace(Probe& probe, const Look& look, uint8_t mark, Batch& batch) const noexcept {
   std::fill(std::begin(probe.org_x), std::end(probe.org_x), look.x);
   std::fill(std::begin(probe.org_y), std::end(probe.org_y), look.y);
   std::fill(std::begin(probe.org_z), std::end(probe.org_z), look.z);
@@ -179,7 +183,7 @@ void Tracer::trace(Probe& probe, const Look& look, Batch& batch) const noexcept 
   // What aim() takes for the ground is none where the ground has a mesh.
   if (shapes_->ground >= 0) std::fill(std::begin(batch.t), std::end(batch.t), far_away);
   rtcIntersectNp(shapes_->scene, &context, &rays, Batch::size);
-  if (shapes_->moving_scene) rtcIntersectNp(shapes_->moving_scene, &context, &rays, Batch::size);
+  if (mark & moving_marked) rtcIntersectNp(shapes_->moving_scene, &context, &rays, Batch::size);
   if (shapes_->ground < 0) return;
   for (int32_t& object : batch.object)
     if (object == shapes_->ground) object = -1;
@@ -189,18 +193,20 @@ void Tracer::mark(const Look& look, const Rays& rays, std::vector<uint8_t>& mark
   const auto meet = [](const Rays::Bounds& a, const Rays::Bounds& b) {
     return (a.x0 <= b.x1) & (a.x1 >= b.x0) & (a.y0 <= b.y1) & (a.y1 >= b.y0);
   };
-  const bool everywhere = shapes_->ground >= 0 || shapes_->world;
-  std::fill(marks.begin(), marks.end(), static_cast<uint8_t>(everywhere));
-  if (everywhere) return;
-  for (const Corners& corners : shapes_->corners) {
+  const auto add = [&](const Corners& corners, uint8_t mark) {
     Rays::Bounds seen;
-    if (!outline(look, corners, seen)) continue;
+    if (!outline(look, corners, seen)) return;
     for (int row = 0; row < rays.tiles_y; ++row) {
       if (!meet(rays.rows[static_cast<size_t>(row)], seen)) continue;
       for (int i = row * rays.tiles_x; i < (row + 1) * rays.tiles_x; ++i)
-        marks[static_cast<size_t>(i)] |= static_cast<uint8_t>(meet(rays.bounds[static_cast<size_t>(i)], seen));
+        if (meet(rays.bounds[static_cast<size_t>(i)], seen)) marks[static_cast<size_t>(i)] |= mark;
     }
-  }
+  };
+  const bool everywhere = shapes_->ground >= 0 || shapes_->world;
+  std::fill(marks.begin(), marks.end(), everywhere ? fixed_marked : uint8_t{0});
+  if (!everywhere)
+    for (const Corners& corners : shapes_->corners) add(corners, fixed_marked);
+  for (const Corners& corners : shapes_->moving_corners) add(corners, moving_marked);
 }
 
 void Tracer::light(const Point* points, int count, const Point& direction, float reach, uint8_t* lit) const {
