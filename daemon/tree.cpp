@@ -124,7 +124,10 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   StereoSource& stereo = *source;
   const auto calibration = stereo.calibration();
 
-  const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), {}, Need::always);
+  // A simulated robot moves as the tree said in the last frame.
+  std::vector<Handle> orders;
+  if (stereo.driven()) orders.push_back(driver.last("drive", record_spec<DriveCommand>()));
+  const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), orders, Need::always);
   if (stereo.cameras()) driver.add("camera/status", make_unique<CameraReport>(stereo), {}, Need::always);
   const auto in = driver.add_set(
       {std::begin(input_topics), std::end(input_topics)},

@@ -43,7 +43,11 @@ std::vector<Handle> Driver::add_set(std::vector<std::string> names, std::unique_
     const bool known = input.last < 0 ? input.topic >= 0 && input.topic < static_cast<int>(topics_.size())
                                       : input.last < static_cast<int>(delayed_.size());
     if (!known) throw FormatError("stage '" + names.at(0) + "': an input does not exist yet; stages are added after their inputs");
-    if (stage.inputs.empty() && input.last >= 0)
+    const bool source = dynamic_cast<const ImageSource*>(processor.get()) != nullptr;
+    if (source && input.last < 0)
+      throw FormatError("stage '" + names.at(0) + "': a source, its input '" + name_of(input) +
+                        "' is of this frame; needed is one of the last: the source begins the frame");
+    if (stage.inputs.empty() && input.last >= 0 && !source)
       throw FormatError("stage '" + names.at(0) + "': its first input is the last '" + name_of(input) +
                         "', needed is one of this frame: it gives frame and time");
     stage.inputs.push_back(input);
@@ -172,7 +176,7 @@ Outcome Driver::step() noexcept {
     if (!stages_[i].runs) continue;
     const Outcome result = run(stages_[i]);
     if (result == Outcome::end) return Outcome::end;
-    if (result == Outcome::invalid && stages_[i].inputs.empty()) outcome = Outcome::invalid;
+    if (result == Outcome::invalid && stages_[i].begins()) outcome = Outcome::invalid;
     if (i == 0) ledger_.pair(result == Outcome::valid ? stages_[0].out[0]->ready_ns : 0);
     publish_after(static_cast<int>(i));
   }
@@ -199,7 +203,7 @@ Outcome Driver::run(Stage& stage) noexcept {
     Image& image = slots_[topic].outlet->loan();
     ++loans_;
     Image::make(&image, topics_[topic].spec);
-    if (!stage.in.empty()) image.describe_like(*stage.in[0]);
+    if (!stage.begins()) image.describe_like(*stage.in[0]);
     image.sequence = sequence_;
     image.epoch = epoch_;
     image.config_generation = config_generation_;

@@ -61,9 +61,10 @@ class Driver {
   /// The same for a stage that makes one topic, as most do.
   Handle add(const std::string& name, std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs = {}, Need need = Need::on_demand);
 
-  /// What the topic `name`, which may be added later, showed in the last frame: an input for add(), but not the first one. The only way
-  /// back. Its name and `spec` are checked in connect(). It may be blind (no_last_image where nothing was made), which does not make its
-  /// reader blind. Steps without a frame leave it as it is: its sequence tells its age.
+  /// What the topic `name`, which may be added later, showed in the last frame: an input for add(), but not the first one, except for a
+  /// source that heeds it (ImageSource::heeds). The only way back. Its name and `spec` are checked in connect(). It may be blind
+  /// (no_last_image where nothing was made), which does not make its reader blind. Steps without a frame leave it as it is: its sequence
+  /// tells its age.
   Handle last(const std::string& name, const ImageSpec& spec);
   /// Gives each topic, and the driver's own `catalogue`, `health` and `heartbeat`, a way out. After this nothing allocates.
   /// Throws FormatError where what last() was asked for is not made, or is something else.

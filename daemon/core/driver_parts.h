@@ -26,6 +26,8 @@ struct Driver::Stage {
   StageTiming timing;
   std::vector<const Image*> in;
   std::vector<Image*> out;
+  /// No input of this frame: a source, or what comes in from outside.
+  bool begins() const { return inputs.empty() || inputs[0].last >= 0; }
 };
 
 /// What last() was asked for.

@@ -37,18 +37,30 @@ class ImageProcessor {
   virtual Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept = 0;
 };
 
-/// No input; a set of images per frame. Sets timestamp, flags, geometry and calibration hash of what it grabs.
+/// No input of this frame; a set of images per frame. Sets timestamp, flags, geometry and calibration hash of what it grabs.
 class ImageSource : public ImageProcessor {
  public:
   virtual std::vector<ImageSpec> open() = 0;
   /// Waits at most 100 ms. invalid: no pair this time, with the reason in out[0].
   virtual Outcome grab(std::span<Image* const> out) noexcept = 0;
+  /// What it wants to know of the last frame, each an input made by Driver::last(): a world that moves as the tree says. None for most.
+  virtual std::vector<ImageSpec> heeds() const { return {}; }
+  /// Called before each grab() of a source that heeds anything. They may be blind, and are where nothing was made yet.
+  virtual void heed(std::span<const Image* const>) noexcept {}
 
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) final {
-    if (!in.empty()) throw FormatError("takes no input, was given " + std::to_string(in.size()));
+    const std::vector<ImageSpec> wanted = heeds();
+    if (in.size() != wanted.size())
+      throw FormatError("takes " + (wanted.empty() ? "no input" : std::to_string(wanted.size()) + " of the last frame") + ", was given " +
+                        std::to_string(in.size()));
+    for (size_t i = 0; i < in.size(); ++i)
+      if (in[i] != wanted[i]) throw FormatError("what it is told of the last frame is not what it heeds");
     return open();
   }
-  Outcome process(std::span<const Image* const>, std::span<Image* const> out) noexcept final { return grab(out); }
+  Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept final {
+    if (!in.empty()) heed(in);
+    return grab(out);
+  }
 };
 
 /// As many images out as in, each from its own input.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "daemon/sim/chance.h"
+#include "daemon/sim/simulator.h"
 
 namespace vdisp::sim {
 namespace {
@@ -48,7 +49,10 @@ std::vector<double> lines(double reach, double step, std::initializer_list<doubl
 }  // namespace
 
 Ground::Ground(const sim_section& parameters)
-    : rise_(std::tan(parameters.slope)), roughness_(parameters.roughness), drives_(parameters.scene == "drive"), reach_(drives_ ? 25 : 10) {
+    : rise_(std::tan(parameters.slope)),
+      roughness_(parameters.roughness),
+      drives_(parameters.scene == "drive" || is_world(parameters.scene)),
+      reach_(drives_ ? 25 : 10) {
   const std::string& shape = parameters.ground;
   // Its own numbers, so that the same seed places the same obstacles on whatever ground.
   Chance chance(static_cast<uint64_t>(parameters.seed) + 0x6071d);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/sim/lens.h"
-#include "daemon/sim/scene.h"
+#include "daemon/sim/ride.h"
 #include "daemon/sim/shade.h"
 #include "daemon/sim/texture.h"
 #include "daemon/sim/tracer.h"
@@ -16,19 +16,23 @@
 namespace vdisp::sim {
 namespace {
 
-constexpr Point to_sun{-0.52, -0.70, -0.49};
+void place_object(const Scene& scene, size_t i, ObjectTable& table) {
+  const SceneObject& o = scene.objects()[i];
+  table.x[i] = static_cast<float>(o.x);
+  table.y[i] = static_cast<float>(scene.ground(o.x, o.z));
+  table.z[i] = static_cast<float>(o.z);
+  table.cos_yaw[i] = static_cast<float>(std::cos(o.yaw));
+  table.sin_yaw[i] = static_cast<float>(std::sin(o.yaw));
+}
 
 ObjectTable tabulate(const Scene& scene, const sim_section& parameters, uint32_t seed) {
   ObjectTable table;
   for (const SceneObject& o : scene.objects()) {
     const auto index = static_cast<uint32_t>(table.x.size());
-    table.x.push_back(static_cast<float>(o.x));
-    table.y.push_back(static_cast<float>(scene.ground(o.x, o.z)));
-    table.z.push_back(static_cast<float>(o.z));
-    table.cos_yaw.push_back(static_cast<float>(std::cos(o.yaw)));
-    table.sin_yaw.push_back(static_cast<float>(std::sin(o.yaw)));
+    for (auto* column : {&table.x, &table.y, &table.z, &table.cos_yaw, &table.sin_yaw}) column->push_back(0);
+    place_object(scene, index, table);
     table.brightness.push_back(static_cast<float>(o.brightness));
-    table.contrast.push_back(o.textured ? static_cast<float>(parameters.texture) : 0.0f);
+    table.contrast.push_back(o.textured ? static_cast<float>(parameters.texture * o.contrast) : 0.0f);
     // Crates and bricks begin at the ground; what has no courses may begin anywhere.
     const bool courses = o.surface == Surface::bricks || o.surface == Surface::planks;
     table.shift.push_back(courses ? 0.0f : static_cast<float>(scramble(seed + index) & 1023) / 300.0f);
@@ -39,7 +43,7 @@ ObjectTable tabulate(const Scene& scene, const sim_section& parameters, uint32_t
 }
 
 /// Shadows, softened, a darker ground beside what stands on it, and patches of dirt.
-GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textures) {
+GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textures, double shadow) {
   constexpr int side = GroundLight::side;
   GroundLight light;
   const double half = scene.extent(), cell = 2 * half / side;
@@ -50,13 +54,16 @@ GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textu
   std::vector<Point> row(side);
   // Triangles lie up to 3 mm beside the ground that they stand for.
   const double above = scene.terrain().meshed() ? 0.01 : 0.002;
+  // Lamps hang below their ceiling.
+  const double below = scene.ceiling() - 0.05;
+  const float reach = below > 0 ? static_cast<float>(below / -scene.to_light().y) : far_away;
   for (int j = 0; j < side; ++j) {
     const double z = scene.middle_z() - half + (j + 0.5) * cell;
     for (int i = 0; i < side; ++i) {
       const double x = scene.middle_x() - half + (i + 0.5) * cell;
       row[i] = {x, scene.ground(x, z) - above, z};
     }
-    tracer.light(row.data(), side, to_sun, &lit[static_cast<size_t>(j) * side]);
+    tracer.light(row.data(), side, scene.to_light(), reach, &lit[static_cast<size_t>(j) * side]);
   }
   const uint32_t* dirt = textures.texels.data() + static_cast<int>(Surface::stone) * Textures::words + Textures::level_start(3);
   for (int j = 0; j < side; ++j) {
@@ -67,7 +74,7 @@ GroundLight bake(const Scene& scene, const Tracer& tracer, const Textures& textu
           sum += lit[static_cast<size_t>(std::clamp(j + b, 0, side - 1)) * side + std::clamp(i + a, 0, side - 1)];
       }
       const double patch = static_cast<double>(dirt[(j / 8 & 63) * 64 + (i / 8 & 63)] & 255) / 255;
-      packed[static_cast<size_t>(j) * side + i] = static_cast<uint8_t>(255 * (0.45 + 0.55 * sum / 9) * (0.88 + 0.12 * patch));
+      packed[static_cast<size_t>(j) * side + i] = static_cast<uint8_t>(255 * (1 - shadow + shadow * sum / 9) * (0.88 + 0.12 * patch));
     }
   }
   light.packed = pack(packed, side, false);
@@ -84,7 +91,7 @@ class Renderer final : public Simulator {
         calibration_(make_calibration(parameters)),
         textures_(make_textures(seed_, parameters.floor == "tiles")),
         objects_(tabulate(scene_, parameters, seed_)),
-        light_(bake(scene_, *tracer_, textures_)),
+        light_(bake(scene_, *tracer_, textures_, parameters.shadow)),
         shader_(choose_shader()),
         draw_(tracer_->make_probe()),
         measure_(tracer_->make_probe()) {
@@ -111,7 +118,7 @@ class Renderer final : public Simulator {
     const CameraPose pose = scene_.pose(frame);
     for (uint32_t side = 0; side < 2; ++side) {
       Look look = looking(pose, side == 0 ? 0 : calibration_.view.baseline);
-      look.gain = side == 0 ? 1.0f : static_cast<float>(parameters_.gain);
+      look.gain = static_cast<float>(side == 0 ? parameters_.light : parameters_.light * parameters_.gain);
       apply_event(frame, look);
       look.noise_seed = scramble(static_cast<uint32_t>(frame) * 2 + side + scramble(seed_ + static_cast<uint32_t>(frame >> 31)));
       draw(look, rays_[side], reinterpret_cast<uint8_t*>(side == 0 ? left : right), stride);
@@ -125,6 +132,26 @@ class Renderer final : public Simulator {
     if (frame != truth_frame_) measure(frame);
     truth_frame_ = frame;
     return truth_;
+  }
+
+  const RobotReport* robot() const noexcept override { return scene_.ride() ? &scene_.ride()->report() : nullptr; }
+
+  void step(const Order& order) noexcept override {
+    scene_.step(order);
+    tracer_->move(scene_);
+    for (size_t i = scene_.first_moving(); i < scene_.objects().size(); ++i) place_object(scene_, i, objects_);
+    truth_frame_ = UINT64_MAX;
+  }
+
+  std::vector<WorldOutline> outlines() const override {
+    std::vector<WorldOutline> outlines;
+    if (!scene_.ride()) return outlines;
+    const FloorPlan& plan = scene_.ride()->plan();
+    for (size_t i = 0; i < plan.first_person(); ++i) {
+      outlines.push_back({plan.things()[i].what, {}});
+      for (const Spot& corner : plan.things()[i].outline) outlines.back().corners.push_back({corner.z, -corner.x});
+    }
+    return outlines;
   }
 
   Place place(double x, double z) const noexcept override { return scene_.place(pose_, x, z); }
@@ -145,9 +172,10 @@ class Renderer final : public Simulator {
     look.meshed = scene_.terrain().meshed();
     look.pixel = static_cast<float>(1 / calibration_.view.f);
     if (parameters_.floor == "tiles") look.coarse = 0;
-    look.sun_x = static_cast<float>(to_sun.x);
-    look.sun_y = static_cast<float>(to_sun.y);
-    look.sun_z = static_cast<float>(to_sun.z);
+    look.sun_x = static_cast<float>(scene_.to_light().x);
+    look.sun_y = static_cast<float>(scene_.to_light().y);
+    look.sun_z = static_cast<float>(scene_.to_light().z);
+    look.ground = static_cast<float>(scene_.ground_brightness());
     look.contrast = static_cast<float>(parameters_.texture);
     look.noise = static_cast<float>(parameters_.noise);
     look.texels = textures_.texels.data();
@@ -171,9 +199,10 @@ class Renderer final : public Simulator {
     for (int tile = 0; tile < rays.tiles(); ++tile) {
       const size_t first = static_cast<size_t>(tile) * Rays::tile_pixels;
       const int u = tile % rays.tiles_x * Rays::tile_width, v = tile / rays.tiles_x * Rays::tile_height;
-      const bool objects = marks_[static_cast<size_t>(tile)] != 0;
+      const uint8_t mark = marks_[static_cast<size_t>(tile)];
+      const bool objects = mark != 0;
       shader_.aim(look, &rays.x[first], &rays.y[first], batch_);
-      if (objects) tracer_->trace(*draw_, look, batch_);
+      if (objects) tracer_->trace(*draw_, look, mark, batch_);
       shader_.colour(look, objects, batch_);
       if (look.covered >= 0) std::fill(std::begin(batch_.gray), std::end(batch_.gray), look.covered);
       alignas(64) uint8_t pixels[Rays::tile_pixels];
@@ -192,7 +221,8 @@ class Renderer final : public Simulator {
     for (int tile = 0; tile < ideal_.tiles(); ++tile) {
       const size_t first = static_cast<size_t>(tile) * Rays::tile_pixels;
       shader_.aim(look, &ideal_.x[first], &ideal_.y[first], truth_batch_);
-      if (truth_marks_[static_cast<size_t>(tile)]) tracer_->trace(*measure_, look, truth_batch_);
+      const uint8_t mark = truth_marks_[static_cast<size_t>(tile)];
+      if (mark) tracer_->trace(*measure_, look, mark, truth_batch_);
       for (int i = 0; i < Rays::tile_pixels; ++i) {
         const int u = tile % ideal_.tiles_x * Rays::tile_width + i % Rays::tile_width,
                   v = tile / ideal_.tiles_x * Rays::tile_height + i / Rays::tile_width;

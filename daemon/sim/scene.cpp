@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "daemon/sim/ride.h"
+
 namespace vdisp::sim {
 namespace {
 
@@ -33,6 +35,30 @@ Point turned_back(const Axes& m, const Point& p) {
   return {m[0] * p.x + m[3] * p.y + m[6] * p.z, m[1] * p.x + m[4] * p.y + m[7] * p.z, m[2] * p.x + m[5] * p.y + m[8] * p.z};
 }
 
+Scene::Scene(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
+void Scene::enter_world() {
+  World world = make_world(parameters_);
+  ride_ = std::make_unique<Ride>(parameters_, world);
+  objects_ = std::move(world.objects);
+  first_moving_ = objects_.size();
+  objects_.resize(first_moving_ + People::parts * world.walkers.size());
+  ride_->people().draw(std::span(objects_).subspan(first_moving_));
+  middle_x_ = world.middle.x;
+  middle_z_ = world.middle.z;
+  extent_ = world.extent;
+  to_light_ = world.to_light;
+  ceiling_ = world.ceiling;
+  ground_brightness_ = world.ground_brightness;
+}
+
+void Scene::step(const Order& order) {
+  if (!ride_) return;
+  ride_->step(order);
+  ride_->people().draw(std::span(objects_).subspan(first_moving_));
+}
+
 Scene::Station Scene::along(double length) const {
   const double place = length / path_step_, whole = std::floor(place), part = place - whole;
   const Station& a = path_[static_cast<size_t>(whole) % path_.size()];
@@ -42,6 +68,7 @@ Scene::Station Scene::along(double length) const {
 
 Scene::Station Scene::station(uint64_t frame) const {
   const double n = static_cast<double>(frame);
+  if (ride_) return {ride_->robot().spot.x, ride_->robot().spot.z, ride_->robot().heading};
   if (drives_) {
     const double length = path_step_ * static_cast<double>(path_.size());
     return along(std::fmod(speed * n * static_cast<double>(frame_period_ns(parameters_)) * 1e-9, length));
@@ -166,7 +193,9 @@ Place Scene::place(const CameraPose& pose, double x, double z) const {
   place.down = down;
   place.drop = ground_.drop(world.x, world.z);
   for (const SceneObject& o : objects_) {
-    const double dx = world.x - o.x, dz = world.z - o.z, c = std::cos(o.yaw), s = std::sin(o.yaw);
+    const double dx = world.x - o.x, dz = world.z - o.z, reach = o.width + o.depth;
+    if (dx * dx + dz * dz > reach * reach) continue;
+    const double c = std::cos(o.yaw), s = std::sin(o.yaw);
     const double along = std::abs(c * dx + s * dz) / (o.width / 2), aside = std::abs(c * dz - s * dx) / (o.depth / 2);
     const bool round = o.kind == ObjectKind::rock || o.kind == ObjectKind::post;
     if (round ? std::hypot(along, aside) > 1 : std::max(along, aside) > 1) continue;

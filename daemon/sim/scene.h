@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct SceneObject {
   double bottom = 0;  ///< m over the ground, of what hangs there; 0: it stands on the ground
   Surface surface = Surface::planks;
   double brightness = 110;  ///< grey level in full light
+  double contrast = 1;      ///< of its texture
   double radius() const;    ///< of the circle round the footprint
 };
 
@@ -45,11 +47,25 @@ struct CameraPose {
   bool climbs;     ///< stands on the slope
 };
 
+class Ride;
+
 class Scene {
  public:
   explicit Scene(const sim_section& parameters);
+  Scene(Scene&&) noexcept;
+  ~Scene();
 
+  /// Those that move are the last ones.
   const std::vector<SceneObject>& objects() const { return objects_; }
+  size_t first_moving() const { return first_moving_; }
+  /// The robot's ride; null where the scene is no world.
+  const Ride* ride() const { return ride_.get(); }
+  /// Goes on to a world's next frame.
+  void step(const Order& order);
+  /// Towards the light, and how far above the ground the lamps hang (0: it is the sun).
+  Point to_light() const { return to_light_; }
+  double ceiling() const { return ceiling_; }
+  double ground_brightness() const { return ground_brightness_; }
   CameraPose pose(uint64_t frame) const;
   const Ground& terrain() const { return ground_; }
   /// The place on the ground that carries the camera and the way the rover heads, in the odometry frame (REP-103).
@@ -87,6 +103,7 @@ class Scene {
   void build_five();
   void build_crowd(Chance& chance);
   void build_overhangs(Chance& chance);
+  void enter_world();
   bool fits(const SceneObject& object, double path_gap, double gap) const;
   bool hides(const SceneObject& object) const;
   GroundPlane plane(const CameraPose& pose, double rise) const;
@@ -96,7 +113,11 @@ class Scene {
   Ground ground_;
   double middle_x_ = 0, middle_z_ = 6, extent_ = 12;
   bool drives_ = false;
+  Point to_light_{-0.52, -0.70, -0.49};
+  double ceiling_ = 0, ground_brightness_ = 112;
   std::vector<SceneObject> objects_;
+  size_t first_moving_ = SIZE_MAX;
+  std::unique_ptr<Ride> ride_;
   std::vector<Station> path_;  ///< a closed way, a station every path_step_
   double path_step_ = 0;
 };

@@ -11,7 +11,7 @@
 namespace vdisp::sim {
 namespace {
 
-constexpr float ground_brightness = 112, haze_brightness = 205, haze_distance = 70, fine_texels_per_m = 320, coarse_texels_per_m = 83;
+constexpr float haze_brightness = 205, haze_distance = 70, fine_texels_per_m = 320, coarse_texels_per_m = 83;
 
 using Index = int32_t __attribute__((vector_size(32)));
 using Words = uint32_t __attribute__((vector_size(32)));

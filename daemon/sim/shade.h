@@ -48,6 +48,7 @@ struct Look {
   const GroundLight* light;
   bool meshed = false;   ///< the ground is one of the tracer's shapes; rise and slope_start say nothing
   float covered = -1;    ///< grey level of what is before the lens; negative: nothing is
+  float ground = 112;    ///< grey level of the ground in full light
   float coarse = 0.55f;  ///< weight of the ground's second texture, which hides that the first repeats
 };
 

@@ -100,7 +100,7 @@ ALWAYS F ground_gray(const Look& look, F x, F z, F u_fine, F v_fine, F t, F graz
   const F lit =
       blend(gather(light.packed.data(), (lv >> 7) * GroundLight::side + (lu >> 7)), lu & 127, lv & 127) * (1 / (255.0f * 127 * 127));
   const F shade = 1.0f - (look.contrast < 1 ? look.contrast : 1) * (1.0f - lit);
-  return ground_brightness * shade * (1.0f + look.contrast * (0.75f * fine + look.coarse * coarse));
+  return look.ground * shade * (1.0f + look.contrast * (0.75f * fine + look.coarse * coarse));
 }
 
 /// Ground that has a mesh: steep parts carry their texture upright, and turn towards the sun or from it.

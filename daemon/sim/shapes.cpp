@@ -41,7 +41,7 @@ Mesh post(const SceneObject& o, double ground) {
   Mesh mesh;
   for (unsigned k = 0; k < sides; ++k) {
     const double a = 2 * M_PI * k / sides, x = std::cos(a) * o.width / 2, z = std::sin(a) * o.depth / 2;
-    add(mesh, placed(o, ground, x, -sunk, z));
+    add(mesh, placed(o, ground, x, lowest(o), z));
     add(mesh, placed(o, ground, x, o.height, z));
   }
   add(mesh, placed(o, ground, 0, o.height, 0));

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "config/config.h"
 #include "daemon/geometry/calibration.h"
@@ -42,7 +44,37 @@ struct Place {
   double overhang;  ///< m over the ground, bottom of the lowest that hangs higher than overhang_clearance; 0: nothing does
 };
 
-/// Everything depends on the parameters and the frame's number only: the same frame has the same bytes.
+/// Whether a scene of this name is a world: closed, with a robot in it.
+inline bool is_world(const std::string& scene) { return scene == "office" || scene == "garage" || scene == "rocks"; }
+
+/// What the robot in a world is told for the time to the next frame.
+struct Order {
+  bool brake = true;  ///< whatever the rest says
+  double speed = 0, turn_rate = 0;
+};
+
+/// How the robot in a world fares, and what an expert would do in its place. Lengths in m, times in s; odometry frame (REP-103).
+struct RobotReport {
+  double x, y, yaw;  ///< of its middle
+  double speed, turn_rate;
+  double clearance;      ///< between it and the nearest thing, at most 5
+  double travelled;      ///< since the start
+  bool collided, stuck;  ///< in the time to this frame; in the next it is put where there is room
+  uint64_t collisions, stuck_times;
+  const char* met;    ///< what it ran into last; null: nothing yet
+  Steering steering;  ///< the expert's, as in Decision
+  double clearness, since_s;
+  uint64_t changes;
+};
+
+/// What stands in a world as seen from above, corners one after the other, odometry frame.
+struct WorldOutline {
+  const char* what;
+  std::vector<std::array<double, 2>> corners;
+};
+
+/// Everything depends on the parameters and the frame's number only: the same frame has the same bytes. In a world it depends on the
+/// orders too: frames come one after the other there, and render() and truth() show the one that step() last went to.
 class Simulator {
  public:
   virtual ~Simulator() = default;
@@ -64,6 +96,12 @@ class Simulator {
   virtual Odometry rover(uint64_t frame) const noexcept = 0;
   /// What an accelerometer on the rover measures, camera and rover being one body: acceleration and attitude of the record. At any time.
   virtual Imu imu(uint64_t frame) const noexcept = 0;
+  /// Null where the scene is no world.
+  virtual const RobotReport* robot() const noexcept { return nullptr; }
+  /// Goes on to the next frame of a world. Not beside a call of anything else.
+  virtual void step(const Order&) noexcept {}
+  /// What does not move in a world.
+  virtual std::vector<WorldOutline> outlines() const { return {}; }
 };
 
 /// From frame to frame, ns; without a rate 1/30 s.

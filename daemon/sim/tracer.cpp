@@ -14,6 +14,7 @@ namespace vdisp::sim {
 namespace {
 
 constexpr float nearest = 0.05f;  // m: a camera's nose
+constexpr uint8_t fixed_marked = 1, moving_marked = 2;
 
 /// Where the corners' hull lies in a view, in units of x / z; false: behind it.
 bool outline(const Look& look, const Corners& corners, Rays::Bounds& bounds) {
@@ -48,7 +49,18 @@ struct Tracer::Shapes {
   RTCScene scene = nullptr;
   std::vector<Corners> corners;
   int32_t ground = -1;  ///< number of the ground's mesh, behind those of the objects; -1: it has none
+  bool world = false;   ///< something is to be seen in every direction
+  struct Moving {
+    RTCGeometry geometry;
+    float* vertices;
+    size_t count;
+    Mesh shape;  ///< about its own middle, not turned
+  };
+  RTCScene moving_scene = nullptr;
+  std::vector<Moving> moving;
+  std::vector<Corners> moving_corners;
   ~Shapes() {
+    if (moving_scene) rtcReleaseScene(moving_scene);
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
@@ -65,6 +77,24 @@ struct Tracer::Shapes {
       rtcAttachGeometryByID(scene, geometry, index);
     }
     rtcReleaseGeometry(geometry);
+    return fits;
+  }
+  bool add_moving(const SceneObject& o, unsigned index) {
+    SceneObject bare = o;
+    bare.x = bare.z = bare.yaw = 0;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    Moving part{geometry, nullptr, 0, shape(bare, 0, 0)};
+    part.count = part.shape.vertices.size() / 3;
+    part.vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, part.count));
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, part.shape.triangles.size() / 3);
+    const bool fits = part.vertices && triangles;
+    if (fits) {
+      std::copy(part.shape.triangles.begin(), part.shape.triangles.end(), static_cast<unsigned*>(triangles));
+      rtcAttachGeometryByID(moving_scene, geometry, index);
+    }
+    rtcReleaseGeometry(geometry);  // the scene keeps it
+    moving.push_back(std::move(part));
+    moving_corners.emplace_back();
     return fits;
   }
 };
@@ -85,9 +115,19 @@ std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
   if (!shapes->device) return nullptr;
   shapes->scene = rtcNewScene(shapes->device);
   rtcSetSceneBuildQuality(shapes->scene, RTC_BUILD_QUALITY_HIGH);
+  shapes->world = scene.ride() != nullptr;
+  if (scene.first_moving() < scene.objects().size()) {
+    shapes->moving_scene = rtcNewScene(shapes->device);
+    rtcSetSceneFlags(shapes->moving_scene, RTC_SCENE_FLAG_DYNAMIC);
+    rtcSetSceneBuildQuality(shapes->moving_scene, RTC_BUILD_QUALITY_LOW);
+  }
   for (const SceneObject& o : scene.objects()) {
     const double ground = scene.ground(o.x, o.z);
     const auto index = static_cast<unsigned>(&o - scene.objects().data());
+    if (index >= scene.first_moving()) {
+      if (!shapes->add_moving(o, index)) return nullptr;
+      continue;
+    }
     if (!shapes->add(shape(o, ground, scramble(seed * 977 + index)), index)) return nullptr;
     for (const Corners& corners : boxes_around(o, ground)) shapes->corners.push_back(corners);
   }
@@ -98,7 +138,27 @@ std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
   }
   rtcCommitScene(shapes->scene);
   if (rtcGetDeviceError(shapes->device) != RTC_ERROR_NONE) return nullptr;
-  return std::unique_ptr<Tracer>(new Tracer(std::move(shapes)));
+  std::unique_ptr<Tracer> tracer(new Tracer(std::move(shapes)));
+  tracer->move(scene);
+  return tracer;
+}
+
+void Tracer::move(const Scene& scene) noexcept {
+  for (size_t i = 0; i < shapes_->moving.size(); ++i) {
+    const SceneObject& o = scene.objects()[scene.first_moving() + i];
+    const Shapes::Moving& part = shapes_->moving[i];
+    const double c = std::cos(o.yaw), s = std::sin(o.yaw), ground = scene.ground(o.x, o.z);
+    for (size_t k = 0; k < part.count; ++k) {
+      const double x = part.shape.vertices[3 * k], y = part.shape.vertices[3 * k + 1], z = part.shape.vertices[3 * k + 2];
+      part.vertices[3 * k] = static_cast<float>(o.x + c * x - s * z);
+      part.vertices[3 * k + 1] = static_cast<float>(ground + y);
+      part.vertices[3 * k + 2] = static_cast<float>(o.z + s * x + c * z);
+    }
+    shapes_->moving_corners[i] = boxes_around(o, ground)[0];
+    rtcUpdateGeometryBuffer(part.geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(part.geometry);
+  }
+  if (shapes_->moving_scene) rtcCommitScene(shapes_->moving_scene);
 }
 
 std::unique_ptr<Tracer::Probe, Tracer::EraseProbe> Tracer::make_probe() const {
@@ -108,7 +168,7 @@ std::unique_ptr<Tracer::Probe, Tracer::EraseProbe> Tracer::make_probe() const {
   return probe;
 }
 
-void Tracer::trace(Probe& probe, const Look& look, Batch& batch) const noexcept {
+void Tracer::trace(Probe& probe, const Look& look, uint8_t mark, Batch& batch) const noexcept {
   std::fill(std::begin(probe.org_x), std::end(probe.org_x), look.x);
   std::fill(std::begin(probe.org_y), std::end(probe.org_y), look.y);
   std::fill(std::begin(probe.org_z), std::end(probe.org_z), look.z);
@@ -123,6 +183,7 @@ void Tracer::trace(Probe& probe, const Look& look, Batch& batch) const noexcept 
   // What aim() takes for the ground is none where the ground has a mesh.
   if (shapes_->ground >= 0) std::fill(std::begin(batch.t), std::end(batch.t), far_away);
   rtcIntersectNp(shapes_->scene, &context, &rays, Batch::size);
+  if (mark & moving_marked) rtcIntersectNp(shapes_->moving_scene, &context, &rays, Batch::size);
   if (shapes_->ground < 0) return;
   for (int32_t& object : batch.object)
     if (object == shapes_->ground) object = -1;
@@ -132,20 +193,23 @@ void Tracer::mark(const Look& look, const Rays& rays, std::vector<uint8_t>& mark
   const auto meet = [](const Rays::Bounds& a, const Rays::Bounds& b) {
     return (a.x0 <= b.x1) & (a.x1 >= b.x0) & (a.y0 <= b.y1) & (a.y1 >= b.y0);
   };
-  std::fill(marks.begin(), marks.end(), static_cast<uint8_t>(shapes_->ground >= 0));
-  if (shapes_->ground >= 0) return;
-  for (const Corners& corners : shapes_->corners) {
+  const auto add = [&](const Corners& corners, uint8_t mark) {
     Rays::Bounds seen;
-    if (!outline(look, corners, seen)) continue;
+    if (!outline(look, corners, seen)) return;
     for (int row = 0; row < rays.tiles_y; ++row) {
       if (!meet(rays.rows[static_cast<size_t>(row)], seen)) continue;
       for (int i = row * rays.tiles_x; i < (row + 1) * rays.tiles_x; ++i)
-        marks[static_cast<size_t>(i)] |= static_cast<uint8_t>(meet(rays.bounds[static_cast<size_t>(i)], seen));
+        if (meet(rays.bounds[static_cast<size_t>(i)], seen)) marks[static_cast<size_t>(i)] |= mark;
     }
-  }
+  };
+  const bool everywhere = shapes_->ground >= 0 || shapes_->world;
+  std::fill(marks.begin(), marks.end(), everywhere ? fixed_marked : uint8_t{0});
+  if (!everywhere)
+    for (const Corners& corners : shapes_->corners) add(corners, fixed_marked);
+  for (const Corners& corners : shapes_->moving_corners) add(corners, moving_marked);
 }
 
-void Tracer::light(const Point* points, int count, const Point& direction, uint8_t* lit) const {
+void Tracer::light(const Point* points, int count, const Point& direction, float reach, uint8_t* lit) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -162,7 +226,7 @@ void Tracer::light(const Point* points, int count, const Point& direction, uint8
       rays.dir_y[i] = static_cast<float>(direction.y);
       rays.dir_z[i] = static_cast<float>(direction.z);
       rays.tnear[i] = 0.001f;
-      rays.tfar[i] = far_away;
+      rays.tfar[i] = reach;
       rays.mask[i] = ~0u;
     }
     rtcOccluded16(valid, shapes_->scene, &context, &rays);

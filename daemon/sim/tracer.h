@@ -25,12 +25,15 @@ class Tracer {
   };
   std::unique_ptr<Probe, EraseProbe> make_probe() const;
 
+  /// Where what moves is now: for all rays that are traced after it.
+  void move(const Scene& scene) noexcept;
   /// Replaces t, object and normal of the rays that hit an object nearer than t. Ground that has a mesh is hit as well, as no object.
-  void trace(Probe& probe, const Look& look, Batch& batch) const noexcept;
-  /// Marks the tiles that an object may be seen in.
+  /// `mark`: the tile's, which says what kind of objects may be seen in it.
+  void trace(Probe& probe, const Look& look, uint8_t mark, Batch& batch) const noexcept;
+  /// Marks the tiles that an object may be seen in; the others have 0.
   void mark(const Look& look, const Rays& rays, std::vector<uint8_t>& marks) const noexcept;
-  /// For each of `count` points, 1 where the direction is free of objects.
-  void light(const Point* points, int count, const Point& direction, uint8_t* lit) const;
+  /// For each of `count` points, 1 where the direction is free of objects that do not move, for `reach` m.
+  void light(const Point* points, int count, const Point& direction, float reach, uint8_t* lit) const;
 
  private:
   struct Shapes;

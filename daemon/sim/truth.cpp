@@ -96,6 +96,7 @@ void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const
   driver.add("truth/floor", std::make_unique<TrueFloor>(simulator, config), {camera});
   driver.add("truth/map", std::make_unique<TrueMap>(simulator, config), {camera});
   add_ground_truth(driver, camera, simulator, config);
+  add_true_steering(driver, camera, simulator);
 }
 
 }  // namespace vdisp::sim

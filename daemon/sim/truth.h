@@ -8,7 +8,8 @@
 
 namespace vdisp::sim {
 
-/// Adds truth/disparity, truth/object, truth/height, truth/scene, truth/floor, truth/map and truth/map_cells. `camera` is the left
+/// Adds truth/disparity, truth/object, truth/height, truth/scene, truth/floor, truth/map and truth/map_cells, and in a world
+/// truth/steering. `camera` is the left
 /// raw image, whose time tells the frame. Simulator and configuration must outlive the driver's last step.
 void add_truth_stages(Driver& driver, Handle camera, Simulator& simulator, const Config& config);
 

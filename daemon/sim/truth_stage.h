@@ -72,4 +72,7 @@ inline int16_t saturated(double value) { return static_cast<int16_t>(std::clamp(
 /// Adds truth/height and truth/map_cells.
 void add_ground_truth(Driver& driver, Handle camera, Simulator& simulator, const Config& config);
 
+/// Adds truth/steering where there is a robot.
+void add_true_steering(Driver& driver, Handle camera, Simulator& simulator);
+
 }  // namespace vdisp::sim

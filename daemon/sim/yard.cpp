@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "daemon/sim/objects.h"
-#include "daemon/sim/scene.h"
+#include "daemon/sim/ride.h"
 
 namespace vdisp::sim {
 Scene::Scene(const sim_section& parameters) : parameters_(parameters), ground_(parameters) {
@@ -24,6 +24,8 @@ Scene::Scene(const sim_section& parameters) : parameters_(parameters), ground_(p
     build_overhangs(chance);
   } else if (name == "blank") {
     build_blank(chance);
+  } else if (is_world(name)) {
+    enter_world();
   } else if (name == "wall") {
     objects_.push_back(make(ObjectKind::wall, 0, 2, 30, 0.3, 8, 0, 150));
     objects_.back().textured = false;

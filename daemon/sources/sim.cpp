@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <cstdio>
 #include <cstring>
 #include <mutex>
 #include <system_error>
@@ -14,6 +15,7 @@
 
 #include "daemon/sim/simulator.h"
 #include "daemon/sim/truth.h"
+#include "daemon/sources/robot_track.h"
 
 namespace vdisp {
 namespace {
@@ -28,7 +30,10 @@ class SimSource final : public StereoSource {
   SimSource(const Config& config, std::unique_ptr<sim::Simulator> simulator)
       : config_(config),
         spec_{Pixel::gray8, 0, static_cast<uint16_t>(config.sim.width), static_cast<uint16_t>(config.sim.height)},
-        simulator_(std::move(simulator)) {}
+        simulator_(std::move(simulator)),
+        robot_(simulator_->robot()) {
+    if (!config.sim.track.empty()) track_.emplace(config.sim.track, simulator_->outlines());
+  }
   ~SimSource() override {
     {
       const std::lock_guard lock(mutex_);
@@ -43,6 +48,15 @@ class SimSource final : public StereoSource {
     if (!painter_.joinable()) painter_ = std::thread([this] { paint(); });
     return {spec_, spec_};
   }
+  std::vector<ImageSpec> heeds() const override {
+    if (robot_ && config_.sim.drive == "command") return {record_spec<DriveCommand>()};
+    return {};
+  }
+  void heed(std::span<const Image* const> last) noexcept override {
+    const DriveCommand* command = last[0]->valid() ? record_of<DriveCommand>(*last[0]) : nullptr;
+    order_ = command ? sim::Order{false, command->speed, command->turn_rate} : sim::Order{};
+    ordered_ = command ? command->steering : Steering::forward;
+  }
 
   Outcome grab(std::span<Image* const> out) noexcept override {
     std::unique_lock lock(mutex_);
@@ -50,6 +64,12 @@ class SimSource final : public StereoSource {
       image->timestamp_ns = static_cast<int64_t>(frame_) * sim::frame_period_ns(config_.sim);
       image->flags |= flag_synthetic;
       image->calibration_hash = simulator_->calibration().hash;
+    }
+    if (robot_ && !asked_) {
+      // A world goes on when the last frame has been worked on, not beside it.
+      if (frame_ > 0) simulator_->step(order_);
+      asked_ = true;
+      changed_.notify_all();
     }
     if (!changed_.wait_for(lock, longest_wait, [&] { return ready_; })) {
       for (Image* image : out) image->set_blind(Reason::no_frame);
@@ -62,9 +82,9 @@ class SimSource final : public StereoSource {
     }
     for (size_t side = 0; side < 2; ++side) std::memcpy(out[side]->row<std::byte>(0), drawn_[side].data(), drawn_[side].size());
     ++frame_;
-    ready_ = false;
+    ready_ = asked_ = false;
     lock.unlock();
-    changed_.notify_all();
+    if (!robot_) changed_.notify_all();
     return Outcome::valid;
   }
 
@@ -72,6 +92,20 @@ class SimSource final : public StereoSource {
   int64_t period_ns() const override { return config_.sim.rate > 0 ? sim::frame_period_ns(config_.sim) : 0; }
   const Odometry* odometry() const noexcept override { return config_.sim.odometry ? &pose_ : nullptr; }
   const Imu* imu() const noexcept override { return config_.sim.imu ? &imu_ : nullptr; }
+  bool news(std::string& line) override {
+    if (track_ && track_->failed() && !told_failure_) {
+      line = "sim: " + config_.sim.track + "/track.csv cannot be written: it ends early";
+      return told_failure_ = true;
+    }
+    if (!robot_ || (robot_->collisions == told_collisions_ && robot_->stuck_times == told_stuck_)) return false;
+    const bool collision = robot_->collisions != told_collisions_;
+    char text[160];
+    std::snprintf(text, sizeof text, "sim: %s %llu%s%s at x %.2f m, y %.2f m after %.1f m", collision ? "collision" : "stuck",
+                  static_cast<unsigned long long>(collision ? ++told_collisions_ : ++told_stuck_), collision ? " with a " : "",
+                  collision ? robot_->met : "", robot_->x, robot_->y, robot_->travelled);
+    line = text;
+    return true;
+  }
   void add_truth(Driver& driver, Handle camera) override { sim::add_truth_stages(driver, camera, *simulator_, config_); }
 
  private:
@@ -90,10 +124,13 @@ class SimSource final : public StereoSource {
   void paint() noexcept {
     std::unique_lock lock(mutex_);
     while (true) {
-      changed_.wait(lock, [&] { return ending_ || !ready_; });
+      changed_.wait(lock, [&] { return ending_ || (!ready_ && (asked_ || !robot_)); });
       if (ending_) return;
       const uint64_t frame = frame_;
+      const sim::RobotReport report = robot_ ? *robot_ : sim::RobotReport{};
+      const Steering ordered = config_.sim.drive == "command" ? ordered_ : report.steering;
       lock.unlock();
+      if (track_) track_->add(static_cast<double>(frame) * static_cast<double>(sim::frame_period_ns(config_.sim)) * 1e-9, report, ordered);
       simulator_->render(frame, drawn_[0].data(), drawn_[1].data(), spec_.stride());
       lock.lock();
       ready_ = true;
@@ -106,8 +143,14 @@ class SimSource final : public StereoSource {
   std::unique_ptr<sim::Simulator> simulator_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  // While ready_ the views belong to grab(), else to the painter.
-  bool ready_ = false, ending_ = false;
+  const sim::RobotReport* robot_;  // null where the scene is no world
+  std::optional<RobotTrack> track_;
+  sim::Order order_{};  // of the last frame
+  Steering ordered_ = Steering::forward;
+  uint64_t told_collisions_ = 0, told_stuck_ = 0;
+  bool told_failure_ = false;
+  // While ready_ the views belong to grab(), else to the painter; a world's painter waits until it is asked.
+  bool ready_ = false, asked_ = false, ending_ = false;
   uint64_t frame_ = 0;
   Odometry pose_{};  // of the last frame
   Imu imu_{};        // likewise
@@ -123,6 +166,21 @@ void require_size(const Config& config) {
   const image_source_section& wanted = config.image_source;
   if (wanted.width != 0 && wanted.width != config.sim.width) refuse("width", wanted.width, config.sim.width);
   if (wanted.height != 0 && wanted.height != config.sim.height) refuse("height", wanted.height, config.sim.height);
+}
+
+/// What only worlds have, and what they have not.
+void require_world(const sim_section& sim) {
+  const auto refuse = [&](const std::string& what, const char* right) {
+    throw SourceError(78, "[sim] " + what + " with scene = " + sim.scene + "; " + right);
+  };
+  if (sim::is_world(sim.scene)) {
+    if (sim.ground != "slope" || sim.slope != 0)
+      refuse("ground = " + sim.ground + " and a slope", "the ground of office, garage and rocks is level: ground = slope, slope = 0");
+    return;
+  }
+  if (sim.drive != "scene")
+    refuse("drive = " + sim.drive, "only office, garage and rocks have a robot to drive; use one of them, or drive = scene");
+  if (!sim.track.empty()) refuse("track = " + sim.track, "only office, garage and rocks have a robot; use one of them, or leave track out");
 }
 
 /// A rover that drives round would fall in.
@@ -145,6 +203,7 @@ std::vector<std::filesystem::path> simulator_places() {
 
 std::unique_ptr<StereoSource> open_sim(const Config& config, const std::vector<std::filesystem::path>& places) {
   require_size(config);
+  require_world(config.sim);
   require_way(config.sim);
   std::string looked;
   for (const std::filesystem::path& place : places) {

@@ -48,6 +48,8 @@ class StereoSource : public ImageSource {
   virtual const RecordedStep* recorded() const noexcept { return nullptr; }
   /// The number that the next frame had when it was recorded; empty: they are counted from 0.
   virtual std::optional<uint64_t> next_sequence() const noexcept { return {}; }
+  /// Whether it takes the tree's last drive command (ImageSource::heeds), as a simulated robot does.
+  bool driven() const { return !heeds().empty(); }
   /// Adds the stages truth/..., where the source knows the truth. `camera` is the left image.
   virtual void add_truth(Driver&, Handle) {}
 };

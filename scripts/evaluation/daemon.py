@@ -58,6 +58,7 @@ class Daemon:
         self.memo = {}
         self.kinds, self.sets = None, {}  # kinds of scenes asked for (None: all), and parameters for them
         self.peers = self.binary.parent / "vdisp-peers"
+        self.model = None  # of the snow detector; None: vdisparity drives
         self.pictures = self.resume = None  # folders for pictures, and for results to go on from
         self.start = time.monotonic()
 
@@ -120,6 +121,18 @@ class Daemon:
             raise RunFailed(f"exit {done.returncode}: {done.stderr.strip()[-400:]} ({' '.join(command)})")
         return folder, sorted(p for p in folder.iterdir() if p.is_dir() and p.name.isdigit())
 
+    def run(self, sets, frames, record=None):
+        """Runs the daemon without a dump; `record`: a folder for a recording of it."""
+        sets = {"main.middleware": "none", "main.debug": 0, **sets}
+        command = [str(self.binary), "-c", str(self.empty)] + self.options(sets, frames)
+        if record:
+            shutil.rmtree(record, ignore_errors=True)
+            record.parent.mkdir(parents=True, exist_ok=True)
+            command += ["--record", str(record)]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            raise RunFailed(f"exit {done.returncode}: {done.stderr.strip()[-400:]} ({' '.join(command)})")
+
     def measure(self, name, sets, frames, look):
         """look(Frame) of each frame of one run."""
         folder, places = self.dump(name, sets, frames)
@@ -133,9 +146,13 @@ class Daemon:
 
     def measure_all(self, title, runs, look):
         """runs: (name, sets, frames). A list of what look() gave, run by run, in order."""
+        return self.each(title, runs, lambda run: self.measure(*run, look))
+
+    def each(self, title, runs, work):
+        """What work(run) gives for each, in order; several at once."""
         results, start = [None] * len(runs), time.monotonic()
         with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
-            waiting = {pool.submit(self.measure, *run, look): i for i, run in enumerate(runs)}
+            waiting = {pool.submit(work, run): i for i, run in enumerate(runs)}
             try:
                 for done, future in enumerate(concurrent.futures.as_completed(waiting), 1):
                     results[waiting[future]] = future.result()

@@ -3,6 +3,7 @@
 
 SPDX-License-Identifier: Apache-2.0
 """
+import csv
 import json
 import os
 import pathlib
@@ -656,8 +657,62 @@ class Parameters(DriveProofs, ProgramTest):
         def left(scene):
             return self.dump(f"sim.scene={scene}", "sim.pitch=0.05").picture("camera/left").astype(int)
         first = left("flat")
-        for scene in ("drive", "obstacles", "empty", "wall", "crowded", "overhangs", "blank"):
+        for scene in ("drive", "obstacles", "empty", "wall", "crowded", "overhangs", "blank", "office", "garage", "rocks"):
             self.assertGreater(numpy.abs(first - left(scene)).mean(), 2, scene)
+
+    # In a world a step is worth a second: ten of them are a way.
+    WORLD = ("sim.scene=garage", "sim.seed=5", "sim.rate=2")
+
+    def test_sim_drive(self):
+        def travelled(drive):
+            scene = self.dump(*self.WORLD, f"sim.drive={drive}", frames=9).json["truth_scene"]
+            return numpy.hypot(scene["x_m"], scene["y_m"])
+        self.assertEqual(travelled("scene"), 0)
+        self.assertGreater(travelled("expert"), 0.5)
+        self.assertGreater(travelled("command"), 0.5)
+        refused = ["main.detectors=none"], ["sim.scene=flat"]
+        for sets, words in zip(refused, ("nobody makes", "drive = command")):
+            sets = [word for item in (*self.WORLD, "sim.drive=command", *sets) for word in ("--set", item)]
+            self.assert_refused(run("vdispd", "--sim", *sets), 78, words)
+
+    def way(self, *sets, frames=40):
+        """The robot's track and its world."""
+        Parameters.runs += 1
+        folder = self.folder / f"track{Parameters.runs}"
+        arguments = [word for item in (*BASE, "main.detectors=none", *self.WORLD, *sets, f"sim.track={folder}") for word in ("--set", item)]
+        result = run("vdispd", *arguments, "--frames", frames)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(folder / "track.csv") as track, open(folder / "world.csv") as world:
+            return list(csv.DictReader(track)), [line.split(",")[0] for line in world][1:]
+
+    def test_sim_exploration(self):
+        def wilful(exploration):  # frames in which it turned though the way was free
+            track, _ = self.way("sim.drive=expert", f"sim.exploration={exploration}")
+            return sum(row["expert"] == "forward" and abs(float(row["turn_rate"])) > 0.15 for row in track)
+        self.assertEqual(wilful(0), 0)
+        self.assertGreater(wilful(1), 5)
+
+    def test_sim_glass(self):
+        for value, found in (("no", False), ("yes", True)):
+            self.assertEqual("glass" in self.way(f"sim.glass={value}", frames=1)[1], found)
+
+    def test_sim_track(self):
+        track, world = self.way("sim.drive=expert", frames=12)
+        self.assertEqual(len(track), 12)
+        self.assertEqual([float(row["time_s"]) for row in track[:3]], [0, 0.5, 1])
+        step = float(track[11]["x"]) - float(track[10]["x"]), float(track[11]["y"]) - float(track[10]["y"])
+        self.assertAlmostEqual(float(numpy.hypot(*step)), float(track[11]["travelled"]) - float(track[10]["travelled"]), delta=0.01)
+        self.assertGreater(world.count("wall"), 3)
+        words = ("--set", "sim.scene=garage", "--set", "sim.track=/proc/nowhere")
+        self.assert_refused(run("vdispd", "--sim", *words), 73, "/proc/nowhere")
+        self.assert_refused(run("vdispd", "--sim", "--set", "sim.scene=flat", *words[2:]), 78, "track = /proc/nowhere")
+
+    def test_sim_light(self):
+        self.rises("sim.light", [0.2, 1, 3], lambda d: d.picture("camera/left").mean())
+
+    def test_sim_shadow(self):
+        # What lies in the shadow of the paper's five objects.
+        self.falls("sim.shadow", [0, 0.4, 0.8], lambda d: numpy.percentile(d.picture("camera/left")[120:], 5), "sim.scene=obstacles", "sim.noise=0")
 
     def test_sim_seed(self):
         one, again, other = (self.dump(f"sim.seed={seed}").picture("camera/left") for seed in (5, 5, 6))

@@ -445,6 +445,54 @@ TEST_F(DelayedTest, the_first_input_is_of_this_frame) {
   }
 }
 
+/// A source whose picture depends on what the tree made of the last frame.
+struct Heeding final : ImageSource {
+  std::vector<int> heard;
+  std::vector<ImageSpec> open() override { return {spec}; }
+  std::vector<ImageSpec> heeds() const override { return {spec}; }
+  void heed(std::span<const Image* const> last) noexcept override {
+    heard.push_back(last[0]->valid() ? *last[0]->row<uint8_t>(0) : -static_cast<int>(last[0]->reason));
+  }
+  Outcome grab(std::span<Image* const> out) noexcept override {
+    out[0]->timestamp_ns = 1000 * static_cast<int64_t>(heard.size());
+    *out[0]->row<uint8_t>(0) = static_cast<uint8_t>(heard.empty() || heard.back() < 0 ? 1 : 2 * heard.back());
+    return heard.size() == 3 ? Outcome::invalid : Outcome::valid;
+  }
+};
+
+TEST_F(DelayedTest, a_source_may_heed_what_was_made_of_the_last_frame) {
+  auto* heeding = new Heeding;
+  heeding->heard.reserve(10);
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(heeding), {driver.last("near", spec)}, Need::always);
+  near = driver.add("near", std::make_unique<AddOne>(&near_runs), {camera});
+  connect();
+  steps(5);
+  // 1 -> 2, 4 -> 5, then a blind step, which leaves the last frame as it was.
+  EXPECT_EQ(heeding->heard, (std::vector<int>{-static_cast<int>(Reason::no_last_image), 2, 5, 5, 11}));
+  EXPECT_EQ(driver.blind_steps(), 1u);
+  EXPECT_EQ(near_runs, 4) << "its maker runs for it, and is blind where the source is";
+  EXPECT_EQ(image("camera").timestamp_ns, 5000) << "the source gives the time, not what it heeds";
+  delete source;
+}
+
+TEST_F(DelayedTest, a_source_is_refused_what_is_of_this_frame_and_what_it_does_not_heed) {
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  const auto refused = [&](std::unique_ptr<ImageProcessor> stage, std::vector<Handle> inputs) -> std::string {
+    try {
+      driver.add("second", std::move(stage), std::move(inputs));
+    } catch (const FormatError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(std::make_unique<Heeding>(), {camera}),
+            "stage 'second': a source, its input 'camera' is of this frame; needed is one of the last: the source begins the frame");
+  EXPECT_EQ(refused(std::make_unique<Heeding>(), {}), "stage 'second': takes 1 of the last frame, was given 0");
+  EXPECT_EQ(refused(std::make_unique<Source>(), {driver.last("camera", spec)}),
+            "stage 'second' of the last 'camera' (gray8 8x4): takes no input, was given 1");
+  EXPECT_NE(refused(std::make_unique<Heeding>(), {driver.last("camera", record_spec<FloorModel>())}), "");
+}
+
 TEST_F(DelayedTest, a_refused_stage_names_its_delayed_input) {
   camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
   try {
