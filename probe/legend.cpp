@@ -89,7 +89,10 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
       break;
     }
     case Pixel::count16:
-      if (!is_grid(topic)) {
+      if (is_depth_map(topic)) {
+        items.push_back(ramp(style.palette, "1", std::to_string(votes_scale) + " pixels of the column, logarithmic"));
+        items.push_back(one({12, 12, 16}, "none; near below, far above"));
+      } else if (!is_grid(topic)) {
         items.push_back(ramp(style.palette, "1", std::to_string(votes_scale) + " votes, logarithmic"));
       } else {
         items.push_back(one({240, 110, 60}, "obstacle (" + std::to_string(image.grid.min_count) + " points or more)"));
@@ -113,6 +116,13 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
       else if (is_surface(topic))
         add_codes<uint8_t>(
             image, items, [](uint8_t v) { return v; }, surface_colour, [](uint8_t v) { return name(Surface{v}); });
+      else if (is_contour(topic, image)) {
+        items.push_back(one({240, 110, 60}, "from the nearest obstacle of the column on; near below, far above"));
+      } else if (is_features(topic)) {
+        items.push_back(ramp(style.palette, "1", "255, logarithmic"));
+        items.push_back(one({12, 12, 16}, "0"));
+      } else if (is_census(topic))
+        items.push_back(ramp(Palette::gray, "0", "255: a bit for each neighbour that is darker"));
       else if (is_true_cells(topic))
         add_codes<uint8_t>(
             image, items, [](uint8_t v) { return v; }, true_cell_colour, [](uint8_t v) { return name(TruthCell{v}); });

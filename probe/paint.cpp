@@ -171,10 +171,31 @@ Painted counts(const Image& image, const PaintStyle& style) {
   return plan<int16_t>(image, style, [&](int x, int y, int16_t count) { return map_colour(grid, count, in_view(grid, x, y)); });
 }
 
+/// For each column how near the nearest obstacle is, nearest below; as bright as it is high, where that is told.
+Picture contour(const Image& image) {
+  Picture picture(image.spec.width, contour_rows, {22, 25, 30});
+  for (int x = 0; x < image.spec.width; ++x) {
+    const int row = std::min<int>(image.row<uint8_t>(0)[x], contour_rows - 1);
+    if (row == 0) continue;
+    const int high = image.spec.height > 1 ? std::min<int>(image.row<uint8_t>(1)[x], contour_heights) : contour_heights;
+    const auto channel = [&](int most) { return static_cast<uint8_t>(most * (4 + high) / (4 + contour_heights)); };
+    picture.fill({x, 0, 1, row}, {38, 52, 62});
+    picture.fill({x, row, 1, contour_rows - row}, {channel(240), channel(110), channel(60)});
+  }
+  return picture;
+}
+
+Picture features(const Image& image, Palette palette) {
+  const std::vector<Colour> colours = table(palette, 256, [](int i) { return 0.06 + 0.94 * std::log1p(i) / std::log(256.0); });
+  return pixelwise<uint8_t>(image, [&](uint8_t v) { return v ? colours[v] : Colour{12, 12, 16}; });
+}
+
 Painted greys(std::string_view topic, const Image& image, const PaintStyle& style) {
   if (is_reason(topic)) return plan<uint8_t>(image, style, [](int, int, uint8_t why) { return reason_colour(why); });
   if (is_true_cells(topic)) return plan<uint8_t>(image, style, [](int, int, uint8_t cell) { return true_cell_colour(cell); });
   if (is_surface(topic)) return {pixelwise<uint8_t>(image, surface_colour)};
+  if (is_contour(topic, image)) return {contour(image)};
+  if (is_features(topic)) return {features(image, style.palette)};
   if (topic.ends_with("object"))  // numbers of the simulator's objects, 255 the sky: not brightness
     return {pixelwise<uint8_t>(image, [](uint8_t n) {
       return n == 255 ? Colour{14, 15, 18} : n ? labels[n % labels.size()] : colours::panel;

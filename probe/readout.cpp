@@ -8,6 +8,7 @@
 
 #include "ipc/dump.h"
 #include "ipc/records.h"
+#include "probe/drive_text.h"
 #include "probe/format.h"
 #include "probe/scales.h"
 
@@ -54,12 +55,33 @@ std::string line_words(const Image& image, int column) {
   return at + (row == line_none ? std::string("no line here") : format("row %d", row)) + metres(image.camera, disparity);
 }
 
+/// The eight neighbours, row by row: 1 where the centre is brighter.
+std::string census_words(uint8_t code) {
+  std::string bits;
+  for (int i = 7; i >= 0; --i) bits += (code >> i & 1) ? '1' : '0';
+  return format("%d: ", code) + bits.substr(0, 3) + " " + bits.substr(3, 1) + "." + bits.substr(4, 1) + " " + bits.substr(5);
+}
+
+/// Figure 9: its number is column, row and value.
+std::string feature_words(const Image& image, int column, int row) {
+  const uint8_t value = image.row<uint8_t>(row)[column];
+  if (image.spec.height > 2) return format("%d  feature %d", value, column << 14 | row << 8 | value);
+  const int high = image.spec.height > 1 ? image.row<uint8_t>(1)[column] : 0, at = image.row<uint8_t>(0)[column];
+  const std::string number = format("  feature %d", column << 14 | at << 8 | high);
+  if (at == 0) return "no obstacle" + number;
+  const double least = static_cast<double>(at) * image.camera.disparities / contour_rows;
+  return format("obstacle at row %d", at) + (image.spec.height > 1 ? format(", height %d", high) : "") + metres(image.camera, least) +
+         number;
+}
+
 std::string value_words(std::string_view topic, const Image& image, int column, int row) {
   switch (image.spec.pixel) {
     case Pixel::gray8: {
       const uint8_t value = image.row<uint8_t>(row)[column];
       if (is_reason(topic)) return std::string(name(CellReason{value})) + place_words(image.grid, column, row);
       if (is_true_cells(topic)) return std::string(name(TruthCell{value})) + place_words(image.grid, column, row);
+      if (is_census(topic)) return census_words(value);
+      if (is_features(topic)) return feature_words(image, column, row);
       return is_surface(topic) ? std::string(name(Surface{value})) : std::to_string(value);
     }
     case Pixel::mask8: return image.row<uint8_t>(row)[column] ? "set" : "not set";
@@ -70,6 +92,8 @@ std::string value_words(std::string_view topic, const Image& image, int column, 
     case Pixel::disparity16: return disparity_words(image, column, row);
     case Pixel::count16: {
       if (is_grid(topic)) return map_words(image, column, row);
+      if (is_depth_map(topic))
+        return format("%d pixels at %d px", image.row<int16_t>(row)[column], row) + metres(image.camera, row, column);
       const double disparity = column / 16.0 + image.camera.min_disparity;
       return format("%d votes for disparity %.2f px", image.row<int16_t>(row)[column], disparity) + metres(image.camera, disparity);
     }
@@ -84,12 +108,6 @@ std::string value_words(std::string_view topic, const Image& image, int column, 
     }
     default: return {};
   }
-}
-
-std::string or_dash(const char* pattern, double value, double factor = 1) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value * factor);
-  return std::isfinite(value) ? text : "-";
 }
 
 std::vector<std::string> floor_text(const FloorModel& floor) {
@@ -162,7 +180,7 @@ std::vector<std::string> imu_text(const Imu& imu) {
   return lines;
 }
 
-std::vector<std::string> drive_text(const DriveOrder& drive) {
+std::vector<std::string> order_text(const DriveOrder& drive) {
   std::vector<std::string> lines{"speed       " + or_dash("%.3f m/s", drive.speed), "turn rate   " + or_dash("%.3f rad/s", drive.turn_rate),
                                  "age         " + or_dash("%.3f s", drive.age_s)};
   add_tally(lines, drive.tally);
@@ -220,63 +238,6 @@ std::vector<std::string> tracks_text(const Tracks& tracks) {
   return lines;
 }
 
-const char* steering_words(Steering steering) {
-  switch (steering) {
-    case Steering::forward: return "forward";
-    case Steering::turn_left: return "turn left";
-    case Steering::turn_right: return "turn right";
-    case Steering::count: break;
-  }
-  return "a state this version does not know";
-}
-
-const char* decider_words(Decider decider) {
-  switch (decider) {
-    case Decider::none: return "nobody";
-    case Decider::vdisparity: return "the map (v-disparity)";
-    case Decider::snow: return "the classifiers (SNoW)";
-    case Decider::operator_order: return "the operator";
-    case Decider::count: break;
-  }
-  return "one this version does not know";
-}
-
-std::vector<std::string> scores_text(const SnowScores& s) {
-  const bool free = s.free_difference + s.obstacle_sensitivity > 0, left = s.left_difference + s.direction_sensitivity > 0;
-  return {std::string("way         ") + (free ? "free" : "obstacle"),
-          "obstacle    " + or_dash("free %.3f", s.free) + or_dash(", obstacle %.3f", s.obstacle) + or_dash(": %+.4f", s.free_difference) +
-              or_dash(", sensitivity %+.4f", s.obstacle_sensitivity),
-          std::string("to evade    ") + (left ? "left" : "right"),
-          "direction   " + or_dash("left %.3f", s.left) + or_dash(", right %.3f", s.right) + or_dash(": %+.4f", s.left_difference) +
-              or_dash(", sensitivity %+.4f", s.direction_sensitivity),
-          format("features    %u active", s.active)};
-}
-
-std::vector<std::string> decision_text(const Decision& d) {
-  return {std::string("decision    ") + steering_words(d.steering), std::string("by          ") + decider_words(d.decider),
-          "clearness   " + or_dash("%.0f %%", d.clearness, 100), "since       " + or_dash("%.1f s", d.since_s),
-          "changes     " + std::to_string(d.changes)};
-}
-
-std::vector<std::string> command_text(const DriveCommand& c) {
-  std::vector<std::string> lines{"speed       " + or_dash("%.3f m/s", c.speed), "turn rate   " + or_dash("%+.3f rad/s", c.turn_rate),
-                                 std::string("by          ") + decider_words(c.decider),
-                                 std::string("decision    ") + steering_words(c.steering)};
-  if (c.slowed) lines.push_back("slowed      the detectors disagree");
-  return lines;
-}
-
-std::vector<std::string> check_text(const CrossCheck& c) {
-  const auto words = [](uint32_t free) { return free ? "free" : "not free"; };
-  std::vector<std::string> lines{std::string("map         ") + words(c.map_free) + or_dash(", %.2f m", c.corridor_m),
-                                 std::string("classifier  ") + words(c.snow_free),
-                                 c.agree ? "they        agree" : "they        disagree since" + or_dash(" %.1f s", c.disagreeing_s),
-                                 "agreed      " + std::to_string(c.agreed) + " frames",
-                                 "only map    free in " + std::to_string(c.only_map_free),
-                                 "only SNoW   free in " + std::to_string(c.only_snow_free)};
-  return lines;
-}
-
 std::vector<std::string> cameras_text(const CameraStatus& status) {
   const auto number = [](uint64_t value) { return std::to_string(value); };
   std::vector<std::string> lines{"pairs       " + number(status.pairs) + ", " + number(status.skipped) + " too many for the tree",
@@ -323,6 +284,7 @@ std::string read_out(std::string_view topic, const Image& image, int column, int
   if (!image.valid() || image.spec.pixel == Pixel::record || column < 0 || row < 0 || column >= image.spec.width) return {};
   const std::string where = format("row %d  column %d   ", row, column);
   if (image.spec.pixel == Pixel::line16) return where + line_words(image, column);
+  if (is_contour(topic, image)) return where + feature_words(image, column, 0);
   return row < image.spec.height ? where + value_words(topic, image, column, row) : std::string();
 }
 
@@ -332,15 +294,12 @@ std::vector<std::string> record_text(const Image& image) {
   if (const TruthScene* scene = record_of<TruthScene>(image)) return scene_text(*scene);
   if (const Odometry* odometry = record_of<Odometry>(image)) return odometry_text(*odometry);
   if (const Imu* imu = record_of<Imu>(image)) return imu_text(*imu);
-  if (const DriveOrder* drive = record_of<DriveOrder>(image)) return drive_text(*drive);
+  if (const DriveOrder* drive = record_of<DriveOrder>(image)) return order_text(*drive);
   if (const Events* events = record_of<Events>(image)) return events_text(*events);
   if (const MapChanges* changes = record_of<MapChanges>(image)) return changes_text(*changes);
   if (const Memory* memory = record_of<Memory>(image)) return memory_text(*memory);
   if (const Tracks* tracks = record_of<Tracks>(image)) return tracks_text(*tracks);
-  if (const SnowScores* scores = record_of<SnowScores>(image)) return scores_text(*scores);
-  if (const Decision* decision = record_of<Decision>(image)) return decision_text(*decision);
-  if (const DriveCommand* command = record_of<DriveCommand>(image)) return command_text(*command);
-  if (const CrossCheck* check = record_of<CrossCheck>(image)) return check_text(*check);
+  if (auto lines = drive_text(image); !lines.empty()) return lines;
   if (const CameraStatus* status = record_of<CameraStatus>(image)) return cameras_text(*status);
   if (const CalibrationWatch* watch = record_of<CalibrationWatch>(image)) return watch_text(*watch);
   return {format("record of type %u, %u bytes, not known to this version", image.spec.record, image.spec.width)};

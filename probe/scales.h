@@ -30,6 +30,14 @@ inline bool is_reason(std::string_view topic) { return last_part(topic) == "reas
 inline bool is_surface(std::string_view topic) { return last_part(topic) == "surface"; }
 inline bool is_true_cells(std::string_view topic) { return last_part(topic) == "map_cells"; }
 
+/// Of the second detector: counts by column and disparity; what the classifiers see; bits of comparisons.
+inline bool is_depth_map(std::string_view topic) { return topic == "depth_map"; }
+inline bool is_features(std::string_view topic) { return topic == "features"; }
+inline bool is_census(std::string_view topic) { return topic.starts_with("census/"); }
+/// One value a column (and its height): drawn as a curve over the rows that a map of the same features has.
+inline bool is_contour(std::string_view topic, const Image& image) { return is_features(topic) && image.spec.height <= 2; }
+inline constexpr int contour_rows = 60, contour_heights = 16;
+
 /// Rows of the picture that a line16 belongs to.
 inline int line_rows(const Image& image, const PaintStyle& style) {
   if (style.picture_rows > 0) return style.picture_rows;

@@ -19,12 +19,14 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-void count_depth(Plane<const int16_t> disparity, Plane<int16_t> counts, uint8_t* scratch) { plain::count_depth(disparity, counts, scratch); }
+void count_depth(Plane<const int16_t> disparity, Plane<int16_t> counts, uint8_t* scratch) {
+  plain::count_depth(disparity, counts, scratch);
+}
 #else
 
-constexpr int together = 8;      // disparities counted in one pass over a strip of columns
-constexpr int most_wide = 64;    // rows of counts up to which looking at all of them is cheaper than going where a pixel points
-constexpr int most_rows = 255;   // that a byte can count
+constexpr int together = 8;     // disparities counted in one pass over a strip of columns
+constexpr int most_wide = 64;   // rows of counts up to which looking at all of them is cheaper than going where a pixel points
+constexpr int most_rows = 255;  // that a byte can count
 
 /// Whole px, a byte each; 0: none.
 void to_bytes(Plane<const int16_t> disparity, int disparities, uint8_t* bytes) {

@@ -12,12 +12,12 @@ namespace vdisp::kernels {
 
 /// One search. A pixel's cost at a shift of d px is the bits by which the two codes differ, summed over the window.
 struct HammingSearch {
-  View8 left, right;    ///< census codes, of one size
-  int window = 9;       ///< odd, 3 .. 21
-  int disparities = 32; ///< multiple of 16, 16 .. 256
-  int confidence = 0;   ///< the least sum, over all shifts, of cost less best cost: disparities * window^2 * bits a pixel
-  int16_t refused = 0;  ///< what is written where it is less
-  int16_t outside = 0;  ///< what is written where window or search leave the image
+  View8 left, right;     ///< census codes, of one size
+  int window = 9;        ///< odd, 3 .. 21
+  int disparities = 32;  ///< multiple of 16, 16 .. 256
+  int confidence = 0;    ///< the least sum, over all shifts, of cost less best cost: disparities * window^2 * bits a pixel
+  int16_t refused = 0;   ///< what is written where it is less
+  int16_t outside = 0;   ///< what is written where window or search leave the image
 
   /// Columns [first, last) have window and whole search inside.
   int first_column() const { return window / 2 + disparities - 1; }

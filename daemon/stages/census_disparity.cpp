@@ -16,8 +16,7 @@ constexpr double least_matched = 0.01;  // likewise
 }  // namespace
 
 std::vector<ImageSpec> CensusDisparity::check(std::span<const ImageSpec> in) {
-  if (in.size() != 3)
-    throw FormatError("takes both census images and the left view, was given " + std::to_string(in.size()) + " images");
+  if (in.size() != 3) throw FormatError("takes both census images and the left view, was given " + std::to_string(in.size()) + " images");
   require(in[0], Pixel::gray8, "the left census image");
   require(in[1], Pixel::gray8, "the right census image");
   require(in[2], Pixel::gray8, "the left view");
@@ -25,8 +24,8 @@ std::vector<ImageSpec> CensusDisparity::check(std::span<const ImageSpec> in) {
   require_same_size(in[0], in[2]);
   const auto& p = config_.census;
   if (in[0].width <= p.width + p.block || in[0].height <= p.block)
-    throw FormatError("the images are " + std::to_string(in[0].width) + "x" + std::to_string(in[0].height) + ", [census] width = " +
-                      std::to_string(p.width) + " with block = " + std::to_string(p.block) +
+    throw FormatError("the images are " + std::to_string(in[0].width) + "x" + std::to_string(in[0].height) +
+                      ", [census] width = " + std::to_string(p.width) + " with block = " + std::to_string(p.block) +
                       " leaves none to search; a smaller width, block or scale would fit");
   bands_.assign(static_cast<size_t>(machine_.bands.threads()), kernels::HammingScratch(in[0].width, p.width));
   return {{Pixel::disparity16, 0, in[0].width, in[0].height}};

@@ -13,9 +13,8 @@ ImageSpec CensusView::accept(const ImageSpec& in) {
 
 bool CensusView::filter(const Image& in, Image& out) noexcept {
   constexpr int least_band = 32;  // rows
-  machine_.bands.run(in.spec.height, least_band, [&](int first, int last, int) {
-    machine_.kernels.census3x3(plane<uint8_t>(in), first, last, plane<uint8_t>(out));
-  });
+  machine_.bands.run(in.spec.height, least_band,
+                     [&](int first, int last, int) { machine_.kernels.census3x3(plane<uint8_t>(in), first, last, plane<uint8_t>(out)); });
   return true;
 }
 

@@ -4,8 +4,8 @@
 
 #include <cstring>
 
-#include "daemon/stages/projection.h"
 #include "daemon/snow/encoding.h"
+#include "daemon/stages/projection.h"
 
 namespace vdisp {
 namespace {
@@ -19,9 +19,9 @@ ImageSpec SmoothedView::accept(const ImageSpec& in) {
   const int scale = config_.census.scale;
   const ImageSpec out{Pixel::gray8, 0, static_cast<uint16_t>(in.width / scale), static_cast<uint16_t>(in.height / scale)};
   if (out.width < snow::columns || out.height < snow::rows)
-    throw FormatError("the view of " + std::to_string(in.width) + "x" + std::to_string(in.height) + " with [census] scale = " +
-                      std::to_string(scale) + " becomes " + std::to_string(out.width) + "x" + std::to_string(out.height) +
-                      ", must be 80x60 or more; a smaller scale would fit");
+    throw FormatError("the view of " + std::to_string(in.width) + "x" + std::to_string(in.height) +
+                      " with [census] scale = " + std::to_string(scale) + " becomes " + std::to_string(out.width) + "x" +
+                      std::to_string(out.height) + ", must be 80x60 or more; a smaller scale would fit");
   small_.emplace(out);
   return out;
 }

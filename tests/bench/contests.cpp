@@ -136,7 +136,8 @@ Contest census(const Frames& frames, const OurSide& side) {
 /// A model with even weights for this configuration, mapped by the tree while it is built. What weights say takes no time.
 class EvenModel {
  public:
-  EvenModel(const Config& config, const ImageSpec& view) : path_(std::filesystem::temp_directory_path() / ("bench-" + std::to_string(getpid()) + ".snow")) {
+  EvenModel(const Config& config, const ImageSpec& view)
+      : path_(std::filesystem::temp_directory_path() / ("bench-" + std::to_string(getpid()) + ".snow")) {
     const std::vector<float> weights(snow::vector_length, 1.0f);
     snow::ModelParts parts;
     parts.settings = front_end(config, view);

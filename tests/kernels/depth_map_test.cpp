@@ -88,9 +88,9 @@ TEST(Shrink, is_the_same_at_every_level) {
 TEST(Shrink, is_the_mean_rounded_half_up) {
   Picture<uint8_t> in(128, 4), out(64, 2);
   fill(in, Content::black, 0);
-  in.at(2, 0) = 1, in.at(3, 1) = 1;                        // 2 / 4: half up
-  in.at(4, 2) = 1;                                         // 1 / 4
-  for (int x : {6, 7}) in.at(x, 2) = in.at(x, 3) = 255;    // all four
+  in.at(2, 0) = 1, in.at(3, 1) = 1;                      // 2 / 4: half up
+  in.at(4, 2) = 1;                                       // 1 / 4
+  for (int x : {6, 7}) in.at(x, 2) = in.at(x, 3) = 255;  // all four
   for (const std::string& level : levels()) {
     kernels(level).shrink(in.view(), 2, 0, 2, out.plane());
     EXPECT_EQ(out.at(1, 0), 1) << level;

@@ -32,9 +32,9 @@ void look_from_right(Picture<uint8_t>& left, Picture<uint8_t>& right, int shift,
 }
 
 TEST(MatchHamming, is_the_same_at_every_level) {
-  for (const auto& [width, height] : {std::pair{60, 24}, {90, 30}, {131, 25}, {200, 23}, {319, 22}}) {
+  for (const auto& [width, height] : {std::pair{60, 24}, {131, 25}, {200, 23}}) {
     for (const int window : {3, 5, 7, 9, 11, 13, 15, 17, 21}) {
-      for (const int disparities : {16, 32, 48}) {
+      for (const int disparities : {16, 48}) {
         for (Content content : {Content::noise, Content::white, Content::stripes, Content::few_levels}) {
           Picture<uint8_t> left(width, height), right(width, height);
           fill(left, content, 3);
@@ -133,7 +133,8 @@ TEST(MatchHamming, bands_of_rows_give_the_whole_and_touch_nothing_else) {
     const Kernels k = kernels(level);
     Picture<int16_t> whole(120, 40), parts(120, 40), untouched(120, 40);
     k.match_hamming(search, 0, 40, scratch, whole.plane());
-    for (const auto& [first, last] : {std::pair{0, 2}, {2, 11}, {11, 12}, {12, 39}}) k.match_hamming(search, first, last, scratch, parts.plane());
+    for (const auto& [first, last] : {std::pair{0, 2}, {2, 11}, {11, 12}, {12, 39}})
+      k.match_hamming(search, first, last, scratch, parts.plane());
     for (int y = 0; y < 40; ++y)
       for (int x = 0; x < 120; ++x) ASSERT_EQ(parts.at(x, y), (y < 39 ? whole : untouched).at(x, y)) << level << " " << x << "," << y;
     ASSERT_EQ(parts.damage(), "");

@@ -14,9 +14,9 @@ using namespace vdisp::snow;
 /// Each weight is the same but those of pixels with a value from `near` on (for contours: rows), which speak for obstacle by `weight`; in
 /// the left half of the columns for right, in the right one for left.
 int main(int argc, char** argv) {
-  std::map<std::string, std::string> given{{"encoding", "depth-map"}, {"width", "320"},    {"height", "240"}, {"disparities", "32"}, {"block", "9"},
-                                           {"smooth", "mean"},        {"confidence", "0.8"}, {"near", "40"},    {"weight", "1"},       {"theta", "100"},
-                                           {"sensitivity", "0"}};
+  std::map<std::string, std::string> given{
+      {"encoding", "depth-map"}, {"width", "320"}, {"height", "240"}, {"disparities", "32"}, {"block", "9"},      {"smooth", "mean"},
+      {"confidence", "0.8"},     {"near", "40"},   {"weight", "1"},   {"theta", "100"},      {"sensitivity", "0"}};
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
     given[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
@@ -29,7 +29,9 @@ int main(int argc, char** argv) {
                     whole("height"),
                     whole("disparities"),
                     whole("block"),
-                    given["smooth"] == "mean" ? Smooth::mean : given["smooth"] == "median" ? Smooth::median : Smooth::none,
+                    given["smooth"] == "mean"     ? Smooth::mean
+                    : given["smooth"] == "median" ? Smooth::median
+                                                  : Smooth::none,
                     number("confidence")};
   std::vector<float> free(vector_length, 0.01f), obstacle = free, left = free, right = free;
   const bool rows_are_near = parts.settings.encoding != Encoding::disparity_map;

@@ -119,10 +119,11 @@ class Parameters(DriveProofs, ProgramTest):
         numpy.testing.assert_array_equal(one.picture("disparity"), four.picture("disparity"))
 
     def test_main_detectors(self):
-        self.assertIn("map", self.dump("main.detectors=vdisparity").json["stages"])
-        stages = self.dump("main.detectors=none").json["stages"]
-        self.assertIn("disparity", stages)
-        self.assertNotIn("map", stages)
+        branches = {"map": "vdisparity", "snow": "snow", "cross_check": "both", "decision": "any", "disparity": "all"}
+        for detectors, there in (("vdisparity", {"vdisparity", "any"}), ("snow", {"snow", "any"}), ("none", set()),
+                                 ("vdisparity, snow", {"vdisparity", "snow", "both", "any"}), ("snow,vdisparity", {"vdisparity", "snow", "both", "any"})):
+            stages = self.snow(f"main.detectors={detectors}").json["stages"]
+            self.assertEqual({stage for stage in branches if stage in stages}, {s for s, branch in branches.items() if branch in there | {"all"}}, detectors)
 
     def scheduled(self, *sets):
         """{name of a thread: (policy, real-time priority, processors)} of the running daemon, and what it has locked (kB)."""
@@ -838,6 +839,132 @@ class Parameters(DriveProofs, ProgramTest):
         poses.write_text("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 3\n")
         told = self.files(*self.pairs(), f"image source.odometry={poses}", frames=2).json["odometry"]
         self.assertEqual((told["x"], told["y"]), (3, -2))
+
+    # [census] and [snow]: the second detector with weights made by hand, for its settings.
+    def snow(self, *sets, frames=1, base=BASE, **model):
+        """Scores of the base scene by a model that is made for these settings of [census]."""
+        given = dict(item.partition("census.")[2].split("=") for item in sets if item.startswith("census."))
+        scale = int(given.get("scale", 1))
+        words = {"width": 320 // scale, "height": 240 // scale, "disparities": given.get("width", 32), "near": 25}
+        words |= {key: given[key] for key in ("block", "smooth", "confidence", "encoding") if key in given} | model
+        path = self.folder / "model.snow"
+        subprocess.run([BIN / "vdisp-make-model", path, *(f"{key}={value}" for key, value in words.items())], check=True)
+        return self.dump("main.detectors=snow", "census.scale=1", f"snow.model={path}", *sets, frames=frames, base=base)
+
+    def test_census_scale(self):
+        for scale in (1, 2, 3):
+            dumped = self.snow(f"census.scale={scale}")
+            self.assertEqual(dumped.picture("smooth/left").shape, (240 // scale, 320 // scale))
+            self.assertEqual(dumped.picture("census/left").shape, (240 // scale, 320 // scale))
+
+    def test_census_smooth(self):
+        def noise(word):
+            return numpy.abs(numpy.diff(self.snow(f"census.smooth={word}").picture("smooth/left").astype(float))).mean()
+        none, median, mean = (noise(word) for word in ("none", "median", "mean"))
+        self.assertLess(median, none)
+        self.assertLess(mean, none)
+        self.assertNotEqual(mean, median)
+
+    def refused(self, why, *sets):
+        return self.snow(*sets).json["rejected"]["census_disparity"][why]
+
+    def test_census_block(self):
+        def scatter(block):  # of what is found, from row to row
+            found = self.snow(f"census.block={block}", "census.confidence=0").picture("census_disparity").astype(int)
+            return numpy.abs(numpy.diff(found[20:-20, 60:-20], axis=0)).mean()
+        found = [scatter(block) for block in (3, 9, 17)]
+        self.assertGreater(found[0], found[1])
+        self.assertGreater(found[1], found[2])
+
+    def test_census_width(self):
+        found = [self.snow(f"census.width={width}").picture("depth_map").shape[0] for width in (16, 32, 64)]
+        self.assertEqual(found, [16, 32, 64])
+        self.assertLess(self.refused("outside", "census.width=16"), self.refused("outside", "census.width=64"))
+
+    def test_census_confidence(self):
+        found = [self.refused("low_texture", f"census.confidence={bits}") for bits in (0, 0.8, 2)]
+        self.assertEqual(found[0], 0)
+        self.assertLess(found[1], found[2])
+
+    def test_census_encoding(self):
+        pictures = {word: self.snow(f"census.encoding={word}").picture("features") for word in ("disparity-map", "depth-map", "contour", "contour-height")}
+        self.assertEqual([p.shape for p in pictures.values()], [(60, 80), (60, 80), (1, 80), (2, 80)])
+        self.assertLess(pictures["disparity-map"].max(), 32)
+        self.assertGreater(pictures["depth-map"].max(), 32)
+        numpy.testing.assert_array_equal(pictures["contour"][0], pictures["contour-height"][0])
+
+    def test_snow_model(self):
+        weak, strong = (self.snow(weight=weight).json["snow"] for weight in (1, 5))
+        self.assertLess(weak["obstacle"], strong["obstacle"])
+        for model, code, word in ((self.folder / "none", 66, "none"), (BIN / "vdispd", 78, "vdispd")):
+            sets = [w for item in [*BASE, "main.detectors=snow", f"snow.model={model}"] for w in ("--set", item)]
+            self.assert_refused(run("vdispd", *sets, "--frames", 1), code, word)
+        sets = [w for item in [*BASE, "main.detectors=snow"] for w in ("--set", item)]
+        self.assert_refused(run("vdispd", *sets, "--frames", 1), 78, "[snow] model", "vdisp-train")
+        path = self.folder / "model.snow"
+        sets = [w for item in [*BASE, "main.detectors=snow", "census.scale=1", "census.block=7", f"snow.model={path}"] for w in ("--set", item)]
+        self.assert_refused(run("vdispd", *sets, "--frames", 1), 78, "model.snow", "block is 9 and not 7")
+
+    def test_snow_obstacleSensitivity(self):
+        for value, steering in ((-100, {"turn_left", "turn_right"}), (100, {"forward"})):
+            self.assertIn(self.snow(f"snow.obstacleSensitivity={value}").json["decision"]["steering"], steering)
+        told = self.snow("snow.obstacleSensitivity=model", sensitivity=0.125).json["snow"]
+        self.assertEqual(told["obstacle_sensitivity"], 0.125)
+
+    def test_snow_directionSensitivity(self):
+        for value, steering in ((-100, "turn_right"), (100, "turn_left")):
+            self.assertEqual(self.snow("snow.obstacleSensitivity=-100", f"snow.directionSensitivity={value}").json["decision"]["steering"], steering)
+
+    def test_snow_clear(self):
+        found = [self.snow("snow.obstacleSensitivity=20", f"snow.clear={clear}").json["decision"]["clearness"] for clear in (40, 60, 100)]
+        self.assertGreater(found[0], found[1])
+        self.assertGreater(found[1], found[2])
+        self.assertGreater(found[2], 0)
+
+    # [decide]
+    AHEAD = ("sim.scene=obstacles", "decide.near=0.8", "decide.far=6", "decide.width=1.2")  # something stands ahead, beyond near
+
+    def test_decide_speed(self):
+        self.rises("decide.speed", [0.3, 0.6, 2], lambda d: d.json["drive_command"]["speed"], "sim.scene=empty")
+
+    def test_decide_leastSpeed(self):
+        self.rises("decide.leastSpeed", [0, 0.2, 0.4], lambda d: d.json["drive_command"]["speed"], *self.AHEAD)
+
+    def test_decide_turnRate(self):
+        self.rises("decide.turnRate", [0.3, 1, 2], lambda d: abs(d.json["drive_command"]["turn_rate"]), "sim.scene=obstacles", "decide.near=5.5",
+                   "decide.far=6", "decide.width=1.2")
+
+    def test_decide_width(self):
+        self.falls("decide.width", [0.2, 3], lambda d: d.json["decision"]["clearness"], "sim.scene=obstacles", "decide.near=0.8", "decide.far=6", "decide.margin=0")
+
+    def test_decide_margin(self):
+        self.falls("decide.margin", [0, 1.4], lambda d: d.json["decision"]["clearness"], "sim.scene=obstacles", "decide.near=0.8", "decide.far=6", "decide.width=0.2")
+
+    def test_decide_near(self):
+        self.assertEqual(self.dump(*self.AHEAD).json["decision"]["steering"], "forward")
+        self.assertNotEqual(self.dump(*self.AHEAD, "decide.near=5.5").json["decision"]["steering"], "forward")
+
+    def test_decide_far(self):
+        self.falls("decide.far", [2, 6, 20], lambda d: d.json["decision"]["clearness"], *self.AHEAD)
+
+    def test_decide_hold(self):
+        # A box on the right, nothing, a box on the left: by itself each is turned from to the other side.
+        random = numpy.random.default_rng(4)
+        wall, box = (random.integers(60, 200, (240, 400), numpy.uint8) for _ in range(2))
+        for side in ("left", "right"):
+            (self.folder / side).mkdir()
+        for i, at in enumerate((220, None, 80)):
+            for side, shift in (("left", 0), ("right", 1)):
+                picture = wall[:, 5 * shift:5 * shift + 320].copy()
+                if at:
+                    picture[60:200, at - 25 * shift:at - 25 * shift + 70] = box[60:200, :70]
+                cv2.imwrite(str(self.folder / side / f"{i:06d}.png"), picture)
+        files = ["main.middleware=none", "main.debug=0", "image source.source=files", "image source.rate=10", *(
+            f"image source.{side}={self.folder}/{side}/%06d.png" for side in ("left", "right"))]
+        for hold, steering in ((0, "turn_right"), (0.05, "turn_right"), (5, "turn_left")):
+            dumped = self.snow(f"decide.hold={hold}", frames=3, base=files, near=40, sensitivity=0.05)
+            steerings = [self.frame(dumped.folder, i)["decision"]["steering"] for i in range(3)]
+            self.assertEqual(steerings, ["turn_left", "forward", steering], hold)
 
     # [Memory]
     def test_memory_range(self):

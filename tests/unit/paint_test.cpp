@@ -346,6 +346,52 @@ TEST(Readout, changes_of_the_map_are_counted_and_the_first_ones_shown) {
   EXPECT_EQ(lines[2], "read all    more than the list holds");
 }
 
+TEST(Readout, what_is_decided_is_said_in_words) {
+  BufferOutlet decided(record_spec<Decision>()), driven(record_spec<DriveCommand>()), checked(record_spec<CrossCheck>()),
+      scored(record_spec<SnowScores>());
+  auto& decision = make_record<Decision>(decided.loan());
+  decision.steering = Steering::turn_left;
+  decision.decider = Decider::snow;
+  decision.clearness = 0.25;
+  EXPECT_EQ(record_text(decided.loan()).at(0), "decision    turn left");
+  EXPECT_EQ(record_text(decided.loan()).at(1), "by          the classifiers (SNoW)");
+  EXPECT_EQ(record_text(decided.loan()).at(2), "clearness   25 %");
+  auto& command = make_record<DriveCommand>(driven.loan());
+  command.speed = 0.15;
+  command.slowed = 1;
+  EXPECT_EQ(record_text(driven.loan()).at(0), "speed       0.150 m/s");
+  EXPECT_EQ(record_text(driven.loan()).back(), "slowed      the detectors disagree");
+  auto& check = make_record<CrossCheck>(checked.loan());
+  check.snow_free = 1;
+  check.corridor_m = 0.95;
+  check.disagreeing_s = 1.5;
+  EXPECT_EQ(record_text(checked.loan()).at(0), "map         not free, 0.95 m");
+  EXPECT_EQ(record_text(checked.loan()).at(2), "they        disagree since 1.5 s");
+  auto& scores = make_record<SnowScores>(scored.loan());
+  scores.free_difference = -0.2;
+  EXPECT_EQ(record_text(scored.loan()).at(0), "way         obstacle");
+  scores.obstacle_sensitivity = 0.3;
+  EXPECT_EQ(record_text(scored.loan()).at(0), "way         free");
+}
+
+TEST(Readout, the_second_detectors_pictures_tell_what_a_pixel_means) {
+  BufferOutlet depths = blank(Pixel::count16, 320, 32), census = blank(Pixel::gray8, 320, 240), map = blank(Pixel::gray8, 80, 60),
+               contour = blank(Pixel::gray8, 80, 1);
+  depths.loan().camera = contour.loan().camera = {290, 160, 120, 0.1f, 0, 0, 32, {}};
+  set<int16_t>(depths.loan(), 160, 29, 44);
+  EXPECT_EQ(read_out("depth_map", depths.loan(), 160, 29), "row 29  column 160   44 pixels at 29 px  Z 1.00 m  X +0.00 m");
+  set<uint8_t>(census.loan(), 5, 6, 0b10010001);
+  EXPECT_EQ(read_out("census/left", census.loan(), 5, 6), "row 6  column 5   145: 100 1.0 001");
+  set<uint8_t>(map.loan(), 79, 59, 49);
+  EXPECT_EQ(read_out("features", map.loan(), 79, 59), "row 59  column 79   49  feature 1309489") << "figure 9";
+  set<uint8_t>(contour.loan(), 7, 0, 40);
+  const Painted chart = paint("features", contour.loan(), {});
+  EXPECT_EQ(chart.picture.height(), 60);
+  EXPECT_NE(chart.picture.row(39)[7], chart.picture.row(40)[7]);
+  EXPECT_NE(read_out("features", contour.loan(), 7, 50).find("obstacle at row 40"), std::string::npos);
+  EXPECT_FALSE(legend("features", contour.loan(), {}).empty());
+}
+
 class MapText : public testing::Test {
  protected:
   MapText() : outlet_(blank(Pixel::count16, 51, 50)) { give_grid(outlet_.loan()); }
