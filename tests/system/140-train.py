@@ -103,11 +103,46 @@ class Train(unittest.TestCase):
         self.assertEqual(run("vdisp-train", "train", *self.with_[:2], "--hold-out", 0, *SIZE, "-o", base).returncode, 0)
         for options in (("--alpha", 1.2), ("--beta", 0.8), ("--theta", 2), ("--initial", 0.001), ("--passes", 1), ("--seed", 7),
                         ("--above", 0.5), ("--below", 0.5), ("--encoding", "contour"), ("--smooth", "median"), ("--block", 13),
-                        ("--width", 48), ("--confidence", 0.5), ("--obstacle-sensitivity", 0.1), ("--direction-sensitivity", 0.1)):
+                        ("--width", 48), ("--confidence", 1.6), ("--obstacle-sensitivity", 0.1), ("--direction-sensitivity", 0.1)):
             other = self.place / "other.model"
             found = run("vdisp-train", "train", *self.with_[:2], "--hold-out", 0, *SIZE, "-o", other, *options)
             self.assertEqual(found.returncode, 0, found.stderr)
             self.assertNotEqual(other.read_bytes(), base.read_bytes(), options)
+
+    def test_the_front_end_is_that_of_a_configuration(self):
+        config = self.place / "vdisp.cfg"
+        config.write_text("[census]\nblock = 7\nencoding = contour\nconfidence = 0.5\n")
+        models = [self.place / "a.model", self.place / "b.model"]
+        for model, options in zip(models, (("-c", config), ("--block", 7, "--encoding", "contour", "--confidence", 0.5))):
+            found = run("vdisp-train", "train", *self.with_[:2], "--hold-out", 0, *SIZE, "-o", model, *options)
+            self.assertEqual(found.returncode, 0, found.stderr)
+            self.assertIn("[census] encoding = contour, smooth = mean, block = 7, width = 32, confidence = 0.5", found.stdout)
+        self.assertEqual(models[0].read_bytes(), models[1].read_bytes())
+        config.write_text("[census]\nblock = 8\n")
+        self.refused(78, "vdisp.cfg:2", "block", arguments=[*self.with_, "-c", config])
+        self.refused(66, "nowhere.cfg", arguments=[*self.with_, "-c", self.place / "nowhere.cfg"])
+
+    def test_larger_recordings_are_made_smaller_and_dark_pairs_left_out(self):
+        def grow(folder):
+            for path in folder.glob("*/*.png"):
+                cv2.imwrite(str(path), cv2.resize(cv2.imread(str(path), 0), (2 * WIDTH, 2 * HEIGHT), interpolation=cv2.INTER_NEAREST))
+            text = (folder / "recording.json").read_text()
+            (folder / "recording.json").write_text(text.replace(f'"width": {WIDTH}', f'"width": {2 * WIDTH}').replace(f'"height": {HEIGHT}', f'"height": {2 * HEIGHT}'))
+
+        def darken(folder):
+            for path in sorted((folder / "left").iterdir())[:3]:
+                cv2.imwrite(str(path), numpy.zeros((HEIGHT, WIDTH), numpy.uint8))
+        large = self.place / "large.model"
+        models = []
+        for change in (grow, lambda folder: None):
+            copies = [self.broken(change, source) for source in self.with_[:1]]
+            self.assertEqual(run("vdisp-train", "train", *copies, "--hold-out", 0, *FRONT, "-o", large).returncode, 0)
+            models.append(large.read_bytes()[:1 << 25])
+            shutil.rmtree(copies[0])
+        self.assertEqual(models[0][4096:], models[1][4096:])
+        found = run("vdisp-train", "train", self.broken(darken), "--hold-out", 0, *FRONT, "-o", large)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        self.assertIn("left out: 3 pairs with which the daemon would be blind", found.stdout)
 
     def test_a_sensitivity_chosen_for_detection_finds_that_part(self):
         found = run("vdisp-train", "train", *self.with_, "--test", *self.apart, *FRONT, "-o", self.place / "a.model", "--detection", 1, "--json")
@@ -190,7 +225,7 @@ class Train(unittest.TestCase):
 
     def tune(self, *more, drives=None, pairs=60):
         return run("vdisp-train", "tune", *(drives or self.drives), "--table", self.place / "tune.csv", "--size", f"{WIDTH}x{HEIGHT}", "--blocks", "5,9",
-                   "--widths", "32", "--confidences", "0", "--smooths", "mean", "--encodings", "contour,depth-map", "--thick", "0,0.3",
+                   "--widths", "32", "--confidences", "0.8", "--smooths", "mean", "--encodings", "contour,depth-map", "--thick", "0,0.3",
                    "--hold-out", "0.34", "--pairs", pairs, *more)
 
     def test_tune_tries_each_with_each_and_goes_on_where_it_was_cut_off(self):
@@ -278,6 +313,8 @@ class Train(unittest.TestCase):
             cv2.imwrite(str(path), cv2.resize(cv2.imread(str(path), 0), (200, 120)))
         self.refused(66, "200x120", "160x120", arguments=[self.broken(grow), *self.with_[1:]])
         self.refused(64, "--size", arguments=[*self.with_, "--size", "40x30"])
+        self.refused(64, "--width", arguments=[*self.with_, "--width", "40"])
+        self.refused(66, "whole number", "160x120", arguments=[*self.with_, "--size", "100x80"])
         self.refused(64, "--block", arguments=[*self.with_, "--block", "8"])
 
     def test_a_damaged_model_is_refused(self):

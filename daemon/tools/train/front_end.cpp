@@ -1,96 +1,119 @@
-// front_end.cpp: INTERIM until the stages of the branch are there.
-// SPDX-License-Identifier: Apache-2.0
+// front_end.cpp: the stages from the raw pair to the depth map, each with a
+// buffer for what it makes. SPDX-License-Identifier: Apache-2.0
 #include "daemon/tools/train/front_end.h"
 
-#include <algorithm>
-#include <bit>
-#include <opencv2/imgproc.hpp>
+#include <sysexits.h>
 
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "config/config.h"
+#include "daemon/geometry/calibration.h"
+#include "daemon/stages/census_disparity.h"
+#include "daemon/stages/census_view.h"
+#include "daemon/stages/depth_map.h"
 #include "daemon/stages/rectify.h"
+#include "daemon/stages/smoothed_view.h"
+#include "daemon/tools/train/words.h"
 #include "ipc/outlet.h"
 
 namespace vdisp::train {
+namespace {
 
-struct FrontEnd::Stages {
-  Stages(const Recording& r, const snow::Settings& s)
-      : recording(r),
-        settings(s),
-        raw{BufferOutlet(spec()), BufferOutlet(spec())},
-        rect{BufferOutlet(spec()), BufferOutlet(spec())},
-        disparity(ImageSpec{Pixel::disparity16, 0, uint16_t(s.width), uint16_t(s.height)}),
-        depth(ImageSpec{Pixel::count16, 0, uint16_t(s.width), uint16_t(s.disparities)}) {
-    if (!r.calibration().empty()) calibration = read_calibration(r.calibration());
-    for (int i = 0; i < 2; ++i) {
-      stage[i] = std::make_unique<Rectify>(i ? Side::right : Side::left, calibration, machine, config);
-      stage[i]->accept(spec());
-    }
-  }
-  ImageSpec spec() const { return {Pixel::gray8, 0, uint16_t(recording.info().width), uint16_t(recording.info().height)}; }
-  const Recording& recording;
-  snow::Settings settings;
-  Machine machine;
+Config config_of(const Recording& recording, const snow::Settings& settings) {
+  const int width = recording.info().width, height = recording.info().height;
+  const int scale = std::max(1, width / static_cast<int>(settings.width));
+  if (width / scale != static_cast<int>(settings.width) || height / scale != static_cast<int>(settings.height))
+    throw ToolError(EX_NOINPUT, recording.folder().string() + " is of " + std::to_string(width) + "x" + std::to_string(height) +
+                                    " and cannot be made smaller by a whole number to " + std::to_string(settings.width) + "x" +
+                                    std::to_string(settings.height) + "; give its size, or a part of it, with --size");
   Config config;
-  std::optional<Calibration> calibration;
-  BufferOutlet raw[2], rect[2];
-  BufferOutlet disparity, depth;
-  std::unique_ptr<Rectify> stage[2];
+  // What else the recording was made with is of no concern, but a mosaic has to
+  // be made grey.
+  if (Config theirs; !recording.configuration().empty() && read_config(recording.configuration(), {}, theirs).complaints.empty())
+    config.image_source.bayer = theirs.image_source.bayer;
+  config.census.scale = scale;
+  config.census.smooth = settings.smooth == snow::Smooth::none ? "none" : settings.smooth == snow::Smooth::mean ? "mean" : "median";
+  config.census.block = static_cast<int>(settings.block);
+  config.census.width = static_cast<int>(settings.disparities);
+  config.census.confidence = settings.confidence;
+  return config;
+}
+
+std::optional<Calibration> calibration_of(const Recording& recording) {
+  if (recording.calibration().empty()) return std::nullopt;
+  return read_calibration(recording.calibration());
+}
+
+/// A stage with the image it writes.
+struct Step {
+  Step(std::unique_ptr<ImageProcessor> made, std::vector<const Image*> inputs) : stage(std::move(made)), in(std::move(inputs)) {
+    std::vector<ImageSpec> specs;
+    for (const Image* input : in) specs.push_back(input->spec);
+    buffer.emplace(stage->check(specs).at(0));
+    image = &buffer->loan();
+  }
+  Reason run() {
+    const ImageSpec spec = image->spec;
+    Image::make(image, spec)->describe_like(*in[0]);
+    return stage->process(in, std::span(&image, 1)) == Outcome::valid ? Reason::none : image->reason;
+  }
+  std::unique_ptr<ImageProcessor> stage;
+  std::vector<const Image*> in;
+  std::optional<BufferOutlet> buffer;
+  Image* image = nullptr;
 };
 
-FrontEnd::FrontEnd(const Recording& recording, const snow::Settings& settings, Machine&)
-    : stages_(std::make_unique<Stages>(recording, settings)) {}
+}  // namespace
+
+struct FrontEnd::Stages {
+  Stages(const Recording& of, const snow::Settings& settings, Machine& machine)
+      : recording(of), config(config_of(of, settings)), left(camera()), right(camera()) {
+    const auto calibration = calibration_of(of);
+    const auto add = [this](std::unique_ptr<ImageProcessor> stage, std::vector<const Image*> in) -> const Image* {
+      return steps.emplace_back(std::move(stage), std::move(in)).image;
+    };
+    using std::make_unique;
+    const Image* views[2] = {&left.loan(), &right.loan()};
+    const Image* census[2];
+    for (const Side side : {Side::left, Side::right}) {
+      const Image*& view = views[static_cast<int>(side)];
+      view = add(make_unique<Rectify>(side, calibration, machine, config), {view});
+      view = add(make_unique<SmoothedView>(machine, config), {view});
+      census[static_cast<int>(side)] = add(make_unique<CensusView>(machine), {view});
+    }
+    disparity = add(make_unique<CensusDisparity>(machine, config), {census[0], census[1], views[0]});
+    depth_map = add(make_unique<DepthMap>(machine, config), {disparity});
+  }
+  ImageSpec camera() const {
+    return {Pixel::gray8, 0, static_cast<uint16_t>(recording.info().width), static_cast<uint16_t>(recording.info().height)};
+  }
+
+  const Recording& recording;
+  const Config config;
+  BufferOutlet left, right;
+  std::vector<Step> steps;
+  const Image *disparity = nullptr, *depth_map = nullptr;
+};
+
+FrontEnd::FrontEnd(const Recording& recording, const snow::Settings& settings, Machine& machine)
+    : stages_(std::make_unique<Stages>(recording, settings, machine)) {}
 FrontEnd::~FrontEnd() = default;
 
 Reason FrontEnd::run(size_t pair) {
-  Stages& s = *stages_;
-  const int W = int(s.settings.width), H = int(s.settings.height), D = int(s.settings.disparities), B = int(s.settings.block);
-  s.recording.read(pair, s.raw[0].loan(), s.raw[1].loan());
-  cv::Mat census[2];
-  for (int i = 0; i < 2; ++i) {
-    s.stage[i]->filter(s.raw[i].loan(), s.rect[i].loan());
-    Image& im = s.rect[i].loan();
-    cv::Mat m(im.spec.height, im.spec.width, CV_8U, im.row<uint8_t>(0), im.spec.stride()), small;
-    cv::resize(m, small, {W, H}, 0, 0, cv::INTER_AREA);
-    if (s.settings.smooth == snow::Smooth::mean) cv::blur(small, small, {3, 3});
-    if (s.settings.smooth == snow::Smooth::median) cv::medianBlur(small, small, 3);
-    census[i].create(H, W, CV_8U);
-    s.machine.kernels.census3x3({small.ptr(), W, H, W}, 0, H, {census[i].ptr(), W, H, W});
-  }
-  cv::Mat best(H, W, CV_32F, cv::Scalar(1e9f)), at = cv::Mat::zeros(H, W, CV_16S), sum = cv::Mat::zeros(H, W, CV_32F), dist(H, W, CV_8U),
-                                                box;
-  for (int d = 0; d < D; ++d) {
-    for (int v = 0; v < H; ++v) {
-      const uint8_t *a = census[0].ptr(v), *b = census[1].ptr(v);
-      uint8_t* o = dist.ptr(v);
-      for (int u = 0; u < W; ++u) o[u] = u < d ? 4 : uint8_t(std::popcount(unsigned(a[u] ^ b[u - d])));
-    }
-    cv::boxFilter(dist, box, CV_32F, {B, B});
-    for (int v = 0; v < H; ++v) {
-      float *m = best.ptr<float>(v), *t = sum.ptr<float>(v);
-      const float* o = box.ptr<float>(v);
-      int16_t* w = at.ptr<int16_t>(v);
-      for (int u = 0; u < W; ++u) {
-        t[u] += o[u];
-        if (o[u] < m[u]) m[u] = o[u], w[u] = int16_t(d);
-      }
-    }
-  }
-  Image &disp = s.disparity.loan(), &depth = s.depth.loan();
-  for (int d = 0; d < D; ++d) std::fill_n(depth.row<int16_t>(d), W, int16_t(0));
-  for (int v = 0; v < H; ++v)
-    for (int u = 0; u < W; ++u) {
-      const bool ok = u >= D - 1 && sum.at<float>(v, u) / float(D) - best.at<float>(v, u) >= s.settings.confidence;
-      const int16_t d = ok ? at.at<int16_t>(v, u) : int16_t(0);
-      disp.row<int16_t>(v)[u] = int16_t(16 * d);
-      ++depth.row<int16_t>(d)[u];
-    }
+  stages_->recording.read(pair, stages_->left.loan(), stages_->right.loan());
+  for (Step& step : stages_->steps)
+    if (const Reason reason = step.run(); reason != Reason::none) return reason;
   return Reason::none;
 }
 
 void FrontEnd::features(snow::Encoding encoding, std::span<uint8_t> pixels) const {
-  BufferOutlet out(snow::feature_spec(encoding));
-  Image& im = out.loan();
-  snow::make_features(encoding, stages_->disparity.loan(), stages_->depth.loan(), int(stages_->settings.disparities), im);
-  for (int y = 0; y < im.spec.height; ++y) std::copy_n(im.row<uint8_t>(y), im.spec.width, pixels.data() + y * im.spec.width);
+  const Stages& s = *stages_;
+  BufferOutlet buffer(snow::feature_spec(encoding));
+  Image& image = buffer.loan();
+  snow::make_features(encoding, *s.disparity, *s.depth_map, s.config.census.width, image);
+  for (int y = 0; y < image.spec.height; ++y) std::copy_n(image.row<uint8_t>(y), image.spec.width, pixels.data() + y * image.spec.width);
 }
 
 }  // namespace vdisp::train

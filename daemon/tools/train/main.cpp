@@ -56,11 +56,11 @@ void add_split(CLI::App* word, Options& options) {
 
 void add_front_end(CLI::App* word, Chosen& chosen) {
   const auto add = [&](const char* name, auto& value, const char* help) { return word->add_option(name, value, help)->group("Front end"); };
-  add("--encoding", chosen.encoding, "What the classifiers see [depth-map]")->check(CLI::IsMember(encoding_names()));
-  add("--smooth", chosen.smooth, "none, mean or median, 3x3 [mean]")->check(CLI::IsMember({"none", "mean", "median"}));
-  add("--width", chosen.disparities, "Search width, px [32]")->check(CLI::Range(16, 256));
-  add("--block", chosen.block, "Side of what is compared, px, odd [9]")->check(CLI::Range(1, 63));
-  add("--confidence", chosen.confidence, "Least confidence of a match, as [census] confidence")->check(CLI::Range(0.0, 8.0));
+  add("--encoding", chosen.encoding, "What the classifiers see")->check(CLI::IsMember(encoding_names()));
+  add("--smooth", chosen.smooth, "none, mean or median, 3x3")->check(CLI::IsMember({"none", "mean", "median"}));
+  add("--width", chosen.disparities, "Search width, px")->check(CLI::Range(16, 256));
+  add("--block", chosen.block, "Side of what is compared, px, odd")->check(CLI::Range(3, 21));
+  add("--confidence", chosen.confidence, "Least confidence of a match, bits a pixel")->check(CLI::Range(0.0, 8.0));
 }
 
 void add_train(CLI::App* sub, Options& options) {
@@ -75,6 +75,9 @@ void add_train(CLI::App* sub, Options& options) {
       ->capture_default_str();
   sub->add_option("--to", options.model, "Model whose list --add joins; without it that of -o")->type_name("MODEL");
   add_split(sub, options);
+  sub->add_option("-c,--config", options.config, "vdisp.cfg whose [census] is the front end, where the next options say nothing else")
+      ->type_name("FILE")
+      ->group("Front end");
   add_front_end(sub, options.chosen);
   sub->add_option("--size", options.chosen.size, "Size the views are scaled to [320x240]")->type_name("WxH")->group("Front end");
   add_winnow(sub, options.chosen);
@@ -114,7 +117,7 @@ void add_words(CLI::App& app, Options& options, Word& word) {
         ->capture_default_str()
         ->group("What is tried, separated by commas");
   };
-  list("--blocks", grid.blocks, "Block sizes, px, odd")->check(CLI::Range(1, 63));
+  list("--blocks", grid.blocks, "Block sizes, px, odd")->check(CLI::Range(3, 21));
   list("--widths", grid.widths, "Search widths, px")->check(CLI::Range(16, 256));
   list("--confidences", grid.confidences, "Confidence thresholds")->check(CLI::Range(0.0, 8.0));
   list("--smooths", grid.smooths, "Smoothing")->check(CLI::IsMember({"none", "mean", "median"}));

@@ -3,11 +3,16 @@
 #include <sysexits.h>
 
 #include <charconv>
+#include <sstream>
 
+#include "config/config.h"
+#include "daemon/stages/features.h"
 #include "daemon/tools/train/words.h"
 
 namespace vdisp::train {
 namespace {
+
+constexpr int paper_width = 320, paper_height = 240;  // px
 
 [[noreturn]] void refuse(const std::string& what) { throw ToolError(EX_USAGE, what); }
 
@@ -34,6 +39,16 @@ snow::Smooth smooth_named(const std::string& name) {
   return name == "mean" ? snow::Smooth::mean : snow::Smooth::median;
 }
 
+snow::Settings census_of(const std::string& path) {
+  Config config;
+  if (const Reading reading = read_config(path, {}, config); !reading.complaints.empty()) {
+    std::ostringstream text;
+    text << reading.complaints.front();
+    throw ToolError(reading.exit_code, text.str());
+  }
+  return front_end(config, {Pixel::gray8, 0, paper_width, paper_height});
+}
+
 snow::Settings settings_of(const Chosen& chosen, snow::Settings base) {
   if (!chosen.encoding.empty()) base.encoding = *snow::encoding_named(chosen.encoding);
   if (!chosen.smooth.empty()) base.smooth = smooth_named(chosen.smooth);
@@ -42,6 +57,7 @@ snow::Settings settings_of(const Chosen& chosen, snow::Settings base) {
   take(chosen.block, base.block);
   take(chosen.confidence, base.confidence);
   if (base.block % 2 == 0) refuse("--block " + std::to_string(base.block) + ": must be odd");
+  if (base.disparities % 16 != 0) refuse("--width " + std::to_string(base.disparities) + ": must be a multiple of 16");
   return base;
 }
 

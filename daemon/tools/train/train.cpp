@@ -41,6 +41,7 @@ Plan plan_of(const Options& options) {
     throw ToolError(EX_USAGE, "no recording is given; needed are folders, or --add for a model that has a list");
   const std::string base = options.model.empty() ? options.output : options.model;
   if (more) {
+    if (!options.config.empty()) throw ToolError(EX_USAGE, "-c is for a new model; --add keeps the front end of " + base);
     const snow::Model model = snow::Model::open(base);
     plan.sources = model.sources();
     plan.settings = model.settings();
@@ -50,6 +51,7 @@ Plan plan_of(const Options& options) {
   }
   plan.obstacle_sensitivity = options.obstacle_sensitivity.value_or(plan.obstacle_sensitivity);
   plan.direction_sensitivity = options.direction_sensitivity.value_or(plan.direction_sensitivity);
+  if (!more) plan.settings = census_of(options.config);
   plan.settings = settings_of(options.chosen, plan.settings);
   plan.winnow = winnow_of(options.chosen, plan.winnow);
   for (const snow::Source& source : plan.sources) {

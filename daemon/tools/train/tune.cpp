@@ -24,7 +24,7 @@ std::vector<snow::Settings> front_ends(const Options& options) {
         for (const double confidence : grid.confidences) {
           Chosen chosen = options.chosen;
           chosen.smooth = smooth, chosen.block = block, chosen.disparities = width, chosen.confidence = confidence;
-          all.push_back(settings_of(chosen));
+          all.push_back(settings_of(chosen, census_of("")));
         }
   std::mt19937 chance(options.split_seed);
   for (size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[static_cast<size_t>((uint64_t{chance()} * i) >> 32)]);

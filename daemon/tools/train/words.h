@@ -28,7 +28,7 @@ struct Chosen {
 /// What tune tries: each with each.
 struct Grid {
   std::vector<uint32_t> blocks{5, 7, 9, 13}, widths{32, 48};
-  std::vector<double> confidences{0, 0.5, 1}, thick{0, 0.2};
+  std::vector<double> confidences{0.4, 0.8, 1.2}, thick{0, 0.2};
   std::vector<std::string> smooths{"none", "mean", "median"}, encodings{"disparity-map", "depth-map", "contour", "contour-height"};
   size_t trials = 0;    ///< front ends at most, 0: all
   size_t pairs = 4000;  ///< of all recordings together, thinned evenly
@@ -37,7 +37,7 @@ struct Grid {
 
 struct Options {
   std::vector<std::string> folders, test, add;
-  std::string model, output;
+  std::string model, output, config;
   uint32_t add_weight = 3;
   double hold_out = 0.2;
   uint32_t split_seed = 1;
@@ -55,8 +55,10 @@ int train(const Options& options);
 int evaluate(const Options& options);
 int tune(const Options& options);
 
-/// The front end and the network that are asked for, over those of a model, or the defaults. Throws ToolError (64).
-snow::Settings settings_of(const Chosen& chosen, snow::Settings base = {});
+/// [census] of a vdisp.cfg, or its defaults where `config` is empty, for views of 320x240. Throws ToolError (66, 77, 78).
+snow::Settings census_of(const std::string& config);
+/// The front end and the network that are asked for, over what they are else. Throws ToolError (64).
+snow::Settings settings_of(const Chosen& chosen, snow::Settings base);
 snow::Winnow winnow_of(const Chosen& chosen, snow::Winnow base = {});
 snow::Smooth smooth_named(const std::string& name);
 
