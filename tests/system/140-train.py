@@ -270,7 +270,7 @@ class Train(unittest.TestCase):
         def cut(folder):
             path = sorted((folder / "left").iterdir())[3]
             path.write_bytes(path.read_bytes()[:500])
-        self.refused(66, "left/", arguments=[self.broken(cut), *self.with_[1:]])
+        self.refused(66, "left/", arguments=[self.broken(cut), *self.with_[1:], *FRONT])
 
     def test_broken_names_and_unknown_labels_are_named(self):
         for old, new, word in (("_forward.png", "_ahead.png", "must be left/"), (",forward,", ",ahead,", "label 'ahead' is unknown"),
