@@ -41,7 +41,7 @@ snow::Smooth smooth_named(const std::string& name) {
 
 snow::Settings census_of(const std::string& path) {
   Config config;
-  if (const Reading reading = read_config(path, {}, config); !reading.complaints.empty()) {
+  if (const ConfigReading reading = read_config(path, {}, config); !reading.complaints.empty()) {
     std::ostringstream text;
     text << reading.complaints.front();
     throw ToolError(reading.exit_code, text.str());
