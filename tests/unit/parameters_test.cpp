@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "config/cpu_list.h"
 #include "config/reference.h"
 
 namespace vdisp {
@@ -132,6 +133,15 @@ std::string any_value(const Parameter& row, std::mt19937& random) {
   return text;
 }
 
+TEST(CpuList, numbers_and_ranges_are_read_and_written_back) {
+  EXPECT_EQ(cpu_list("0,2-3"), (std::set<int>{0, 2, 3}));
+  EXPECT_EQ(cpu_list(" 5 , 1 - 2 ,5"), (std::set<int>{1, 2, 5}));
+  EXPECT_EQ(text_of({0, 1, 2, 4, 6, 7}), "0-2,4,6-7");
+  EXPECT_EQ(text_of({}), "");
+  for (const char* wrong : {"", ",", "1,", "-1", "1-", "3-1", "x", "1.5", "1024", "0-99999999999"})
+    EXPECT_EQ(cpu_list(wrong), std::nullopt) << wrong;
+}
+
 TEST(Parameters, what_is_printed_reads_back_to_the_same) {
   char folder[] = "/tmp/vdisp_print_XXXXXX";
   ASSERT_NE(mkdtemp(folder), nullptr);
@@ -147,6 +157,7 @@ TEST(Parameters, what_is_printed_reads_back_to_the_same) {
     config.floor.anglefloorMin = config.floor.anglefloorMax / 2;
     config.map.cell = std::max(config.map.cell, 0.05);
     config.image_source.width = config.image_source.height = 0;
+    config.main.cpus = round % 2 ? "0, 2-3" : "";
     if (!check(config).empty()) continue;
     ++tried;
     std::ofstream(file) << printed(config);
