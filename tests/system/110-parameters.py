@@ -665,12 +665,13 @@ class Parameters(DriveProofs, ProgramTest):
     WORLD = ("sim.scene=garage", "sim.seed=5", "sim.rate=2")
 
     def test_sim_drive(self):
-        def travelled(drive):
-            scene = self.dump(*self.WORLD, f"sim.drive={drive}", frames=9).json["truth_scene"]
-            return numpy.hypot(scene["x_m"], scene["y_m"])
+        def travelled(drive, *sets):
+            return float(self.way(f"sim.drive={drive}", *sets, frames=12)[0][-1]["travelled"])
         self.assertEqual(travelled("scene"), 0)
-        self.assertGreater(travelled("expert"), 0.5)
-        self.assertGreater(travelled("command"), 0.5)
+        self.assertGreater(travelled("expert"), 1)
+        fast, slow = (travelled("command", "main.detectors=vdisparity", f"decide.speed={speed}") for speed in (0.5, 0.2))
+        self.assertGreater(slow, 0.5)
+        self.assertGreater(fast, 1.3 * slow)
         refused = ["main.detectors=none"], ["sim.scene=flat"]
         for sets, words in zip(refused, ("nobody makes", "drive = command")):
             sets = [word for item in (*self.WORLD, "sim.drive=command", *sets) for word in ("--set", item)]
