@@ -10,7 +10,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
 try:
     import numpy as np
-    from evaluation import approach, map_pictures, peer_maps, recorded
+    from evaluation import approach, drive, map_pictures, peer_maps, recorded
     from evaluation.daemon import Daemon
 except ImportError as missing:
     print(f"skipped: {missing}")
@@ -74,6 +74,30 @@ class Approach(unittest.TestCase):
     def test_lateness_is_of_the_alarm_that_is_the_boards(self):
         self.assertEqual(approach.lateness([3, 98, 99, 100, 101, 102, 103, 104], [99, 100, 101, 102]), (-1, 2, 1))
         self.assertEqual(approach.lateness([], [99, 100]), (None, None, 0))
+
+
+class Ways(unittest.TestCase):
+    def test_collisions_and_metres_are_read_from_the_track_and_the_way_is_drawn(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "world.csv").write_text("what,corners\nwall,2,-1,2.2,-1,2.2,1,2,1\nglass,0,3,1,3,1,3.02,0,3.02\n")
+            head = "time_s,x,y,yaw,speed,turn_rate,steering,expert,clearance,travelled,collision,stuck,met\n"
+            line = "{},{},0,0,{},0,{},forward,{},{},{},0,{}\n"
+            (folder / "track.csv").write_text(head + line.format(0, 0, 0, "forward", 1.8, 0, 0, "") + line.format(0.1, 1, 0.5, "turn_left", 0.8, 1, 0, "")
+                                              + line.format(0.2, 1.8, 0, "forward", 0, 1.8, 1, "wall"))
+            way = drive.Way(folder)
+            found = way.numbers()
+            self.assertEqual((found["collisions"], found["met"], found["stuck"], found["metres"]), (1, "1 wall", 0, 1.8))
+            self.assertAlmostEqual(found["turning"], 1 / 3)
+            way.picture(folder / "way.png")
+            picture = drive.cv2.imread(str(folder / "way.png")).astype(int)
+            red = (picture[..., 2] > 200) & (picture[..., 1] < 60)
+            self.assertGreater(red.sum(), 100)
+            self.assertGreater(np.nonzero(red)[1].mean(), picture.shape[1] * 0.7)  # at the wall, which is on the right
+
+    def test_test_worlds_have_odd_seeds(self):
+        seeds = {drive.world_sets(scene, n, 0.3)["sim.seed"] % 2 for scene in drive.SCENES for n in range(12)}
+        self.assertEqual(seeds, {1})
 
 
 class Resume(unittest.TestCase):
