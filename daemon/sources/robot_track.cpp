@@ -31,11 +31,11 @@ RobotTrack::RobotTrack(const std::filesystem::path& folder, const std::vector<si
   std::fputs("time_s,x,y,yaw,speed,turn_rate,steering,expert,clearance,travelled,collision,stuck,met\n", file_.get());
 }
 
-void RobotTrack::add(double time_s, const sim::RobotReport& r, Steering ordered) noexcept {
+void RobotTrack::add(double time_s, const sim::RobotReport& r, std::string_view ordered) noexcept {
   if (failed_) return;
-  const std::string_view steering = name(ordered), expert = name(r.steering);
+  const std::string_view expert = name(r.steering);
   std::fprintf(file_.get(), "%.4f,%.4f,%.4f,%.5f,%.4f,%.4f,%.*s,%.*s,%.4f,%.3f,%d,%d,%s\n", time_s, r.x, r.y, r.yaw, r.speed, r.turn_rate,
-               static_cast<int>(steering.size()), steering.data(), static_cast<int>(expert.size()), expert.data(), r.clearance, r.travelled,
+               static_cast<int>(ordered.size()), ordered.data(), static_cast<int>(expert.size()), expert.data(), r.clearance, r.travelled,
                r.collided, r.stuck, r.collided && r.met ? r.met : "");
   failed_ = std::ferror(file_.get()) != 0;
 }

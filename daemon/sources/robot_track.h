@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "daemon/sim/simulator.h"
@@ -17,8 +18,8 @@ class RobotTrack {
  public:
   /// Throws SourceError 73 where a file cannot be made.
   RobotTrack(const std::filesystem::path& folder, const std::vector<sim::WorldOutline>& world);
-  /// Not on the tree's thread: it writes to a file.
-  void add(double time_s, const sim::RobotReport& report, Steering ordered) noexcept;
+  /// Not on the tree's thread: it writes to a file. `ordered`: what the robot was told, one word.
+  void add(double time_s, const sim::RobotReport& report, std::string_view ordered) noexcept;
   /// Something could not be written; from then on nothing is.
   bool failed() const { return failed_; }
 

@@ -128,7 +128,8 @@ class SimSource final : public StereoSource {
       if (ending_) return;
       const uint64_t frame = frame_;
       const sim::RobotReport report = robot_ ? *robot_ : sim::RobotReport{};
-      const Steering ordered = config_.sim.drive == "command" ? ordered_ : report.steering;
+      const bool commanded = config_.sim.drive == "command";
+      const std::string_view ordered = commanded && order_.brake ? "blind" : name(commanded ? ordered_ : report.steering);
       lock.unlock();
       if (track_) track_->add(static_cast<double>(frame) * static_cast<double>(sim::frame_period_ns(config_.sim)) * 1e-9, report, ordered);
       simulator_->render(frame, drawn_[0].data(), drawn_[1].data(), spec_.stride());

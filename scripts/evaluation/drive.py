@@ -12,9 +12,10 @@ FIRST_SEED = 101  # odd seeds are test worlds
 RATE = 10  # Hz
 LEAST_METRES = 1000  # of an hour
 # What the light is like in the four worlds of each scene: brightness, right camera against left, noise, shadow.
-LIGHTS = ((1, 1.05, 2, 0.55), (0.3, 0.95, 2, 0.7), (1.8, 1.1, 2, 0.8), (0.7, 1.2, 4, 0.4))
+LIGHTS = ((1, 1.05, 2, 0.55), (0.3, 0.95, 2, 0.7), (1.5, 1.1, 2, 0.8), (0.7, 1.2, 4, 0.4))
 MOUNTINGS = {"down": 0.30, "level": 0.0}  # rad: as the paper's conclusion asks, and as its robot had it
-CAMERA = {"image source.source": "sim", "sim.width": 320, "sim.height": 240, "image source.ndisp": 32, "sim.cameraHeight": 0.8,
+# 64 disparities see what is 0.41 m away; with 32 it is 0.84 m, and a robot that turns beside a thing no longer sees it.
+CAMERA = {"image source.source": "sim", "sim.width": 320, "sim.height": 240, "image source.ndisp": 64, "sim.cameraHeight": 0.8,
           "mounting.height": 0.8}
 COLOURS = {"wall": (60, 60, 60), "box": (150, 120, 70), "beam": (190, 170, 120), "post": (60, 110, 60), "rock": (110, 130, 150),
            "glass": (230, 190, 90)}
@@ -52,7 +53,7 @@ class Way:
         met = [row["met"] for row in self.events("collision")]
         return {"minutes": len(self.rows) / RATE / 60, "metres": float(self.rows[-1]["travelled"]), "collisions": len(met),
                 "met": ", ".join(f"{met.count(what)} {what}" for what in sorted(set(met))) or "-", "stuck": len(self.events("stuck")),
-                "turning": 1 - steering.count("forward") / len(steering), "fastest": float(self.column("speed").max()),
+                "turning": sum(word.startswith("turn") for word in steering) / len(steering), "blind": steering.count("blind") / len(steering), "fastest": float(self.column("speed").max()),
                 "nearest": float(self.column("clearance").min()),
                 "digest": hashlib.sha256((self.folder / "track.csv").read_bytes()).hexdigest()}
 
@@ -94,11 +95,11 @@ def drive(daemon, name, sets, minutes):
 
 def total(rows):
     return {"world": "all", **{key: sum(row[key] for row in rows) for key in ("minutes", "metres", "collisions", "stuck")}, "met": "",
-            "turning": float(np.mean([row["turning"] for row in rows])), "fastest": max(row["fastest"] for row in rows),
+            **{key: float(np.mean([row[key] for row in rows])) for key in ("turning", "blind")}, "fastest": max(row["fastest"] for row in rows),
             "nearest": min(row["nearest"] for row in rows)}
 
 
-COLUMNS = (("world", ""), ("minutes", ".1f"), ("metres", ".0f"), ("collisions", "d"), ("met", ""), ("stuck", "d"), ("turning", ".2f"),
+COLUMNS = (("world", ""), ("minutes", ".1f"), ("metres", ".0f"), ("collisions", "d"), ("met", ""), ("stuck", "d"), ("turning", ".2f"), ("blind", ".3f"),
            ("fastest", ".2f"), ("nearest", ".2f"))
 
 
