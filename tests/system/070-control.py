@@ -301,6 +301,22 @@ class Control(ProgramTest):
         self.assertIn("no such thing", run_with_input("", "send", "no such thing", code=64))
         self.assertIn("lacks the column yaw", run_with_input("x,y\n", "send", "odometry", code=66))
 
+    def test_the_operator_wins_over_the_detectors_until_the_order_is_300_ms_old(self):
+        self.start("--set", "control.maxAge=20")
+        def driven():
+            return self.frame_of("left", "drive").get("drive_command", {})
+        self.assertTrue(wait_until(lambda: driven().get("decider") == "vdisparity"))
+        orders = self.folder / "drive.csv"
+        orders.write_text("-0.4,0.7\n" * 100)
+        with subprocess.Popen([BIN / "vdisp-probe", "send", "drive", "--file", orders, "--rate", "20"], stdout=subprocess.DEVNULL) as sender:
+            self.assertTrue(wait_until(lambda: driven().get("decider") == "operator"))
+            told = driven()
+            self.assertEqual((told["speed"], told["turn_rate"]), (-0.4, 0.7))
+            sender.terminate()
+        time.sleep(0.4)
+        self.assertEqual(driven()["decider"], "vdisparity")
+        self.assertGreater(self.input("drive")["age_s"], 0.3)  # still there for who reads in/drive
+
     def test_send_keeps_the_rate_and_the_time_of_the_lines(self):
         self.start()
         poses = self.folder / "poses.csv"
