@@ -372,6 +372,20 @@ TEST_F(ConfigFile, contradictions_are_refused_where_the_last_of_their_values_sta
   EXPECT_EQ(complaints("[main]\nname=" + std::string(100, 'a') + "\n"), "");
 }
 
+TEST_F(ConfigFile, detectors_are_a_list_and_blanks_around_its_comma_do_not_matter) {
+  for (const char* list : {"vdisparity, snow", "vdisparity,snow", "vdisparity ,  snow", "snow,vdisparity"}) {
+    EXPECT_EQ(complaints("[main]\ndetectors = " + std::string(list) + "\n[snow]\nmodel = m\n"), "") << list;
+    EXPECT_TRUE(config_.detects("vdisparity") && config_.detects("snow")) << list;
+    EXPECT_EQ(config_.main.detectors.size(), 16u) << "as --print-config writes it";
+  }
+  EXPECT_EQ(complaints("[main]\ndetectors = snow\n[snow]\nmodel = m\n"), "");
+  EXPECT_TRUE(config_.detects("snow") && !config_.detects("vdisparity") && !config_.detects("now"));
+  EXPECT_NE(complaints("[main]\ndetectors = snow snow\n"), "");
+  EXPECT_NE(complaints("[main]\ndetectors = snow\n").find("without [snow] model"), std::string::npos);
+  EXPECT_NE(complaints("[decide]\nleastSpeed = 0.6\n").find("must be at most speed = 0.5"), std::string::npos);
+  EXPECT_NE(complaints("[decide]\nnear = 3\n").find("must be less than far = 2.5"), std::string::npos);
+}
+
 TEST_F(ConfigFile, a_contradiction_of_a_value_that_is_refused_anyway_is_not_told_twice) {
   EXPECT_EQ(complaints("[Floor]\nanglefloorMax=9\nanglefloorMin=0.95\n"),
             "t.cfg:2: anglefloorMax = 9, must be a number from 0 to 1.55 [rad], default 0.9\n");
