@@ -1,5 +1,4 @@
-// live_parameters.h: set, get, save, undo and another reading of vdisp.cfg while the daemon runs: thought over in a thread of its own,
-// applied by the loop.
+// live_parameters.h: set, get, save, undo, and vdisp.cfg read again: thought over in a thread, applied by the loop.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

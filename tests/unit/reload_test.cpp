@@ -1,5 +1,5 @@
-// reload_test.cpp: what another reading of vdisp.cfg takes, keeps and leaves to a restart; when a file counts as changed; one step for
-// undo. SPDX-License-Identifier: Apache-2.0
+// reload_test.cpp: what another reading of vdisp.cfg takes, and keeps; when a file counts as changed; what is one step for undo.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/control/reload.h"
 
 #include <gtest/gtest.h>

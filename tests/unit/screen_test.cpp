@@ -1,5 +1,5 @@
-// screen_test.cpp: the window's picture holds at any size and state, the sliders are found under the mouse, and the tree holds at any
-// catalogue. SPDX-License-Identifier: Apache-2.0
+// screen_test.cpp: the window's picture holds at any size and state, with sliders under the mouse; the tree holds at any catalogue.
+// SPDX-License-Identifier: Apache-2.0
 #include "probe/view/screen.h"
 
 #include <gtest/gtest.h>
