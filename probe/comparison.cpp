@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "ipc/dump.h"
+#include "ipc/dump_json.h"
 #include "ipc/png.h"
 #include "probe/format.h"
 #include "probe/frame_set.h"
@@ -219,7 +220,7 @@ uint64_t count_measured(const Image& image) {
   uint64_t count = 0;
   for (int y = 0; y < image.spec.height; ++y)
     count += static_cast<uint64_t>(std::count_if(image.row<int16_t>(y), image.row<int16_t>(y) + image.spec.width,
-                                                 [](int16_t pixel) { return rejected_code(pixel) == 0; }));
+                                                 [](int16_t pixel) { return dumped_code(pixel) == 0; }));
   return count;
 }
 
