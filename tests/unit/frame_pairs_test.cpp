@@ -124,7 +124,9 @@ int pairs_after_counting_anew(bool told) {
     pairs.add(1, {when, i < 20 ? i : i - 20, 1});
     if (const auto pair = pairs.take()) {
       late += i >= 40 && pair->left.when_ns == pair->right.when_ns;
-      if (told) EXPECT_EQ(pair->left.when_ns, pair->right.when_ns);
+      if (told) {
+        EXPECT_EQ(pair->left.when_ns, pair->right.when_ns);
+      }
     }
     if (told && i == 19) pairs.restart(1);
   }
