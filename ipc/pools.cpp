@@ -12,8 +12,9 @@
 namespace vdisp {
 namespace {
 
-constexpr std::array<std::string_view, 13> own_pool{"map",      "occupancy", "map_changes", "fused",     "fused_changes", "memory", "tracks",
-                                                    "decision", "drive",     "floor_model", "catalogue", "heartbeat",     "health"};
+constexpr std::array<std::string_view, 13> own_pool{"map",       "occupancy", "map_changes", "fused", "fused_changes",
+                                                    "memory",    "tracks",    "decision",    "drive", "floor_model",
+                                                    "catalogue", "heartbeat", "health"};
 
 // One in the making, one in the history, and for three readers the two they hold; the queue holds the same newest ones.
 constexpr uint32_t blocks_per_topic = 8;
