@@ -20,6 +20,8 @@ constexpr Part parts[] = {
     {"limit show_limit obstacles segment_obstacles height surface standing hanging", "Limit obstacle|Floor"},
     {"map occupancy reason map_changes show_scene", "Limit obstacle|Map|mounting"},
     {"memory tracks fused*", "Memory"},
+    {"smooth/* census* depth_map features snow", "snow|census"},
+    {"decision drive cross_check", "decide|snow"},
     {"in/*", "control"},
 };
 

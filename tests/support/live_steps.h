@@ -1,5 +1,5 @@
-// live_steps.h: what tests of live sources do over and over: open one, step it, wait for an outcome, read the line with which it does not
-// start. SPDX-License-Identifier: Apache-2.0
+// live_steps.h: what tests of live sources do over and over: open one, step it, wait for an outcome, read why one does not start.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gtest/gtest.h>

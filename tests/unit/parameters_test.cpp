@@ -157,6 +157,8 @@ TEST(Parameters, what_is_printed_reads_back_to_the_same) {
     config.floor.anglefloorMin = config.floor.anglefloorMax / 2;
     config.map.cell = std::max(config.map.cell, 0.05);
     config.image_source.width = config.image_source.height = 0;
+    config.decide.leastSpeed = config.decide.speed / 2;
+    config.decide.near = config.decide.far / 2;
     config.main.cpus = round % 2 ? "0, 2-3" : "";
     if (!check(config).empty()) continue;
     ++tried;

@@ -195,6 +195,7 @@ class V4l2 : public LiveSteps {
     kernel_.devices_["/dev/video2"] = {};
     kernel_.devices_["/dev/video2"].bus = "usb-2";
   }
+  ~V4l2() override { source_.reset(); }  // its threads ask the kernel
   void start() { open(open_live(config_, v4l2_cameras(config_, kernel_))); }
   std::string refusal(int code) {
     return refusal_of(code, [&] { start(); });
