@@ -28,7 +28,8 @@ FloorPlan::FloorPlan(std::span<const SceneObject> objects, std::span<const Scene
     if (o.bottom < Robot::height && o.height > Robot::climbs) things_.push_back({Footprint(o), word(o.kind)});
   for (const SceneObject& o : panes) things_.push_back({Footprint(o), "glass"});
   first_person_ = things_.size();
-  for (size_t i = 0; i < people; ++i) things_.push_back({Footprint::disc({}, girth / 2), "person"});
+  constexpr Spot nowhere{1e6, 1e6};  // until they are placed
+  for (size_t i = 0; i < people; ++i) things_.push_back({Footprint::disc(nowhere, girth / 2), "person"});
 }
 
 void FloorPlan::place_people(std::span<const Spot> spots) {

@@ -158,7 +158,7 @@ TEST(Ride, people_walk_and_stop_before_a_robot_that_stands) {
 }
 
 TEST(Ride, without_progress_it_is_stuck_and_goes_on_elsewhere) {
-  Ride ride_ = ride({});
+  Ride ride_ = ride({}, {{{{5, 6}, {5, -6}}, 1, 0, 100}});
   for (int i = 0; i < 299; ++i) ride_.step(Order{});
   EXPECT_EQ(ride_.report().stuck_times, 0u);
   for (int i = 0; i < 2; ++i) ride_.step(Order{});
