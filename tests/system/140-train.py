@@ -300,6 +300,17 @@ class Train(unittest.TestCase):
         self.assertIn("direction: not judged: no pair of class right", found.stdout)
         self.assertIn("obstacle: AUC", found.stdout)
 
+    def test_obstacle_only_needs_no_direction_and_trains_none(self):
+        both = drive(self.place / "both", 53, 16, ("forward", "right"), WIDTH, HEIGHT)
+        model = self.place / "obstacle.model"
+        found = run("vdisp-train", "train", both, "--test", *self.apart, "--obstacle-only", *FRONT, "-o", model, "--json")
+        self.assertEqual(found.returncode, 0, found.stderr)
+        report = json.loads(found.stdout)["encodings"]["depth-map"]
+        self.assertGreater(report["obstacle"]["auc"], 0.9)
+        self.assertEqual(report["direction"]["auc"], 0.5)
+        straight = drive(self.place / "straight", 50, 6, ("forward",), WIDTH, HEIGHT)
+        self.refused(66, "left and right", arguments=[straight, "--hold-out", 0, "--obstacle-only", *FRONT])
+
     def test_an_empty_test_set_is_refused(self):
         empty = write_recording(self.place / "empty", [], WIDTH, HEIGHT)
         self.refused(66, "no labelled pair", "held apart", arguments=[*self.with_, "--test", empty, *FRONT])

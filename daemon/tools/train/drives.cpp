@@ -44,9 +44,9 @@ Classes Drives::classes(bool apart) const {
   return found;
 }
 
-void Drives::require_classes(bool apart) const {
+void Drives::require_classes(bool apart, bool obstacle_only) const {
   const Classes found = classes(apart);
-  if (found.missing().empty()) return;
+  if (found.missing().empty() || (obstacle_only && found.forward && found.left + found.right)) return;
   const std::string what = found.all() == 0 ? "no labelled pair" : "no pair with label " + found.missing();
   throw ToolError(EX_NOINPUT, what + " in the " + counted(count(apart), "recording") +
                                   (apart ? " held apart to judge on" : " to train with") + "; needed are forward, left and right" +

@@ -36,7 +36,8 @@ struct Drives {
   Classes classes(bool held_apart) const;
   /// Throws ToolError (66) unless there are pairs of all three labels, naming what is missing: one class teaches nothing, and judges
   /// nothing.
-  void require_classes(bool held_apart) const;
+  /// `obstacle_only`: left or right will do.
+  void require_classes(bool held_apart, bool obstacle_only = false) const;
   /// Drives that are held apart, or not.
   size_t count(bool held_apart) const;
   /// Numbers of the samples that are held apart, or not.

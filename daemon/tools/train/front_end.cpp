@@ -1,5 +1,5 @@
-// front_end.cpp: the stages from the raw pair to the depth map, each with a
-// buffer for what it makes. SPDX-License-Identifier: Apache-2.0
+// front_end.cpp: the stages from the raw pair to the depth map, each with a buffer for what it makes.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/tools/train/front_end.h"
 
 #include <sysexits.h>

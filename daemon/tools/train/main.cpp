@@ -89,6 +89,7 @@ void add_train(CLI::App* sub, Options& options) {
   sub->add_option("--detection", options.detection, "Choose the obstacle sensitivity that finds this part of the obstacles held apart")
       ->check(CLI::Range(0.0, 1.0))
       ->excludes(fixed);
+  sub->add_flag("--obstacle-only", options.obstacle_only, "Train no direction classifier, where labels say only that something is there");
   sub->add_flag("--compare", options.compare, "Train the other encodings too, and show them in tables and plots");
   sub->add_option("--plots", options.plots, "Write ROC plots (SVG, PNG) and their points (CSV) there")->type_name("DIR");
   add_common(sub, options);

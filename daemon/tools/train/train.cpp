@@ -147,9 +147,9 @@ int train(const Options& options) {
   require_place(options.output);
   const Plan plan = plan_of(options);
   const Drives drives = open_drives(plan.sources);
-  drives.require_classes(false);
+  drives.require_classes(false, options.obstacle_only);
   if (drives.count(true))
-    drives.require_classes(true);
+    drives.require_classes(true, options.obstacle_only);
   else if (options.compare || options.detection || !options.plots.empty())
     throw ToolError(EX_USAGE, "--compare, --detection and --plots need recordings held apart; give --test DIR or --hold-out");
   const auto jobs = jobs_of(plan, options.compare);
@@ -159,7 +159,7 @@ int train(const Options& options) {
 
   std::vector<Judged> all(jobs.size());
   std::optional<Classifiers> chosen;
-  train_all(drives, table, jobs, options.threads, [&](size_t job, Classifiers&& found) {
+  train_all(drives, table, jobs, options.obstacle_only, options.threads, [&](size_t job, Classifiers&& found) {
     all[job] = judged(drives, table, jobs[job], found, plan, options);
     if (job == 0) chosen.emplace(std::move(found));
   });

@@ -62,9 +62,9 @@ Classifier classifier_of(Unfinished& job, size_t at, const snow::Winnow& winnow,
 
 }  // namespace
 
-void train_all(const Drives& drives, const FeatureTable& table, std::span<const Job> jobs, int threads,
+void train_all(const Drives& drives, const FeatureTable& table, std::span<const Job> jobs, bool obstacle_only, int threads,
                const std::function<void(size_t, Classifiers&&)>& done) {
-  const Lesson lessons[] = {lesson_of(drives, table, false), lesson_of(drives, table, true)};
+  const Lesson lessons[] = {lesson_of(drives, table, false), obstacle_only ? Lesson{{}, Label::left} : lesson_of(drives, table, true)};
   std::vector<Unfinished> unfinished(jobs.size());
   std::mutex finishing;
   size_t passes = 0;

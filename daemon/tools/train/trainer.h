@@ -29,8 +29,9 @@ struct Job {
 };
 
 /// Trains all jobs on the samples not held apart, their four targets each shared by `threads`. `done` gets each job's classifiers as
-/// soon as they are there, one call at a time, in no certain order. Results do not depend on the number of threads.
-void train_all(const Drives& drives, const FeatureTable& table, std::span<const Job> jobs, int threads,
+/// soon as they are there, one call at a time, in no certain order. Results do not depend on the number of threads. `obstacle_only`: the
+/// direction classifier learns nothing, has no weights and always says right.
+void train_all(const Drives& drives, const FeatureTable& table, std::span<const Job> jobs, bool obstacle_only, int threads,
                const std::function<void(size_t job, Classifiers&&)>& done);
 
 /// Both scores of each held apart sample (or of all that were trained with), over theta. Positives: obstacle (score = obstacle -

@@ -68,7 +68,7 @@ void try_front_end(std::vector<Trial>& trials, const Drives& drives, const snow:
     jobs.back().winnow.above = jobs.back().winnow.below = trial.thick;
   }
   const FeatureTable features(drives, trials.front().settings, encodings, threads);
-  train_all(drives, features, jobs, threads, [&](size_t job, Classifiers&& found) {
+  train_all(drives, features, jobs, false, threads, [&](size_t job, Classifiers&& found) {
     judge_trial(trials[job], drives, features, found, threads);
     table.add(trials[job]);
   });

@@ -44,7 +44,7 @@ struct Options {
   Chosen chosen;
   std::optional<double> obstacle_sensitivity, direction_sensitivity;
   std::optional<double> detection;  ///< chooses the obstacle classifier's sensitivity
-  bool compare = false, json = false;
+  bool compare = false, obstacle_only = false, json = false;
   std::string plots;  ///< folder; empty: none
   int threads = 2;
   Grid grid;
