@@ -157,6 +157,7 @@ Refusal Inputs::take(const EventMessage& message, uint64_t sender, int64_t now_n
   std::copy_backward(events.entries, events.entries + Events::capacity - 1, events.entries + Events::capacity);
   events.entries[0].timestamp_ns = message.timestamp_ns;
   std::memcpy(events.entries[0].label, message.label, sizeof message.label);
+  if (std::string_view(message.label) == recording_label) recording_begins_ = true;
   events.count = std::min(events.count + 1, Events::capacity);
   return refusal;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "config/config.h"
 #include "ipc/command.h"
@@ -27,6 +28,8 @@ class Inputs {
   Refusal take(const ImuMessage& message, uint64_t sender, int64_t now_ns);
   Refusal take(const DriveMessage& message, uint64_t sender, int64_t now_ns);
   Refusal take(const EventMessage& message, uint64_t sender, int64_t now_ns);
+  /// An event with the label `recording` was accepted since the last call: a recording begins, and the tree with it.
+  bool recording_begins() { return std::exchange(recording_begins_, false); }
   /// The sender is gone: another one may follow it at once.
   void forget(uint64_t sender);
 
@@ -72,6 +75,7 @@ class Inputs {
   OdometryMessage elsewhere_{};  // the newest refused as a jump
   int64_t elsewhere_since_ = 0;  // from when on the refused samples agree with each other; 0: they do not
   uint32_t frame_ = 0;
+  bool recording_begins_ = false;
 };
 
 }  // namespace vdisp

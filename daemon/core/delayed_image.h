@@ -18,6 +18,11 @@ class DelayedImage {
     next_->set_blind(Reason::no_last_image);
   }
 
+  /// As before the first frame.
+  void forget() noexcept {
+    for (Image* image : {last_, next_}) Image::make(image, ImageSpec(image->spec))->set_blind(Reason::no_last_image);
+    kept_ = false;
+  }
   /// Of the last frame. Blind where the stage was, with its reason, and where the stage did not run (no_last_image).
   const Image& last() const { return *last_; }
   /// `image` is of this frame. A blind one is kept without its rows.

@@ -167,6 +167,13 @@ void Driver::choose_stages() noexcept {
   }
 }
 
+void Driver::begin_anew() noexcept {
+  for (Stage& stage : stages_) stage.processor->begin_anew();
+  for (Delayed& delayed : delayed_) {
+    if (delayed.image) delayed.image->forget();
+  }
+}
+
 Outcome Driver::step() noexcept {
   const int64_t start = monotonic_ns();
   step_starts_[steps_ % step_starts_.size()] = start;

@@ -83,6 +83,8 @@ class Driver {
   /// Every stage runs in every step, watched or not.
   void need_all();
 
+  /// Between two steps: every stage forgets what earlier frames left (a recording begins). The source goes on, and so do the numbers.
+  void begin_anew() noexcept;
   /// The number of the next frame, where a recording tells it; each one after that has the next number.
   void set_sequence(uint64_t sequence) noexcept { sequence_ = sequence; }
   uint64_t sequence() const { return sequence_; }

@@ -35,6 +35,9 @@ class ImageProcessor {
   /// Inputs are valid images of one frame; delayed ones (Driver::last) may be blind, and are older; those given as even_blind() may be
   /// blind. Outputs have the header of the first input (frame, time, flags, geometry) already.
   virtual Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept = 0;
+  /// Between two frames: forgets all that earlier frames left, so that from here on it makes what it would have made from a start.
+  /// A stage that keeps nothing from frame to frame needs none.
+  virtual void begin_anew() noexcept {}
 };
 
 /// No input of this frame; a set of images per frame. Sets timestamp, flags, geometry and calibration hash of what it grabs.

@@ -20,6 +20,8 @@ class Disparity final : public ImageProcessor {
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
+  void begin_anew() noexcept override { expectation_.forget(); }
+
  private:
   void match_blocks(const Image& left, const Image& right, const FloorModel* last, Image& out) noexcept;
   void refuse_speckles(Image& out) noexcept;

@@ -30,6 +30,9 @@ class FloorExpectation {
   /// `view` has the geometry of this frame and its sequence; `last` is the floor model of the last one, or null.
   std::optional<ExpectedFloor> expect(const Image& view, const FloorModel* last) noexcept;
 
+  /// As before the first frame.
+  void forget() noexcept { last_found_.reset(); }
+
  private:
   std::optional<ExpectedFloor> from_mounting(const Image& view) const noexcept;
 

@@ -43,6 +43,11 @@ void FusedGrid::reserve(double reach, double cell) {
   ahead_ = right_ = -side_ / 2;
 }
 
+void FusedGrid::begin_anew() noexcept {
+  clear();
+  ahead_ = right_ = -side_ / 2;
+}
+
 void FusedGrid::clear() noexcept {
   std::fill(evidence_.begin(), evidence_.end(), 0.0f);
   std::fill(kind_.begin(), kind_.end(), Kind::none);

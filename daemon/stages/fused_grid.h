@@ -25,6 +25,8 @@ class FusedGrid {
   void reserve(double reach, double cell);
   int side() const { return side_; }
   void clear() noexcept;
+  /// As reserve() left it.
+  void begin_anew() noexcept;
   /// Moves the grid where the rover left its middle.
   void follow(const OnGround& rover) noexcept;
   /// All evidence becomes less, by this factor.

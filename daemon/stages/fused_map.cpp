@@ -41,6 +41,12 @@ std::vector<ImageSpec> FusedMap::check(std::span<const ImageSpec> in) {
   return {{Pixel::int8, 0, side, side}, {Pixel::gray8, 0, side, side}};
 }
 
+void FusedMap::begin_anew() noexcept {
+  grid_.begin_anew();
+  forgotten_ = 0;
+  last_ns_ = 0;
+}
+
 Outcome FusedMap::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Memory& memory = *in[4]->row<Memory>(0);
   const Frame frame{*in[0], *in[1], Placement(config_.mounting, memory.x, memory.y, memory.yaw)};

@@ -25,6 +25,8 @@ class FusedMap final : public ImageProcessor {
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
+  void begin_anew() noexcept override;
+
  private:
   /// The cells of the grid that may lie in the frame's.
   struct Window {

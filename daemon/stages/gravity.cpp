@@ -95,6 +95,15 @@ ImuUse Gravity::judge(const Imu& imu, double pitch) noexcept {
   return ImuUse::used;
 }
 
+void Gravity::forget() noexcept {
+  use_ = ImuUse::none;
+  contradicts_ = false;
+  newest_ns_ = 0;
+  down_ = last_ = turned_ = std::nullopt;
+  rate_ = {};
+  off_predicted_ = off_still_ = 0;
+}
+
 void Gravity::begin(const Point& down) noexcept {
   down_ = down;
   turned_.reset();

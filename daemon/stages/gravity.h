@@ -32,6 +32,9 @@ class Gravity {
   /// A floor was found: straight down on it, camera frame. Predictions are compared with it.
   void found(const Point& normal) noexcept;
 
+  /// As before the first frame.
+  void forget() noexcept;
+
  private:
   ImuUse judge(const Imu& imu, double pitch) noexcept;
   void begin(const Point& down) noexcept;

@@ -23,6 +23,11 @@ std::vector<ImageSpec> MapComparison::check(std::span<const ImageSpec> in) {
   return {record_spec<MapChanges>()};
 }
 
+void MapComparison::begin_anew() noexcept {
+  std::fill(last_.begin(), last_.end(), int8_t{-1});
+  generation_ = 0;
+}
+
 /// `no`: the last grid was of the frame before this one, and of the same ground.
 WholeGrid MapComparison::comparable(const Image& grid) const noexcept {
   if (generation_ == 0 || grid.epoch != epoch_) return WholeGrid::first;

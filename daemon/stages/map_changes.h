@@ -17,6 +17,8 @@ class MapComparison final : public ImageProcessor {
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
+  void begin_anew() noexcept override;
+
  private:
   WholeGrid comparable(const Image& grid) const noexcept;
   void compare(const Image& grid, MapChanges& changes) noexcept;

@@ -135,6 +135,16 @@ MemoryCause OdometryCheck::judge(const Image& frame, const Image& odometry, Memo
   return MemoryCause::none;
 }
 
+void OdometryCheck::begin_anew() noexcept {
+  before_ = newest_ = used_ = {};
+  samples_ = 0;
+  frame_ = forgotten_ = 0;
+  why_ = MemoryCause::none;
+  last_ns_ = since_ns_ = 0;
+  has_used_ = has_last_ = contradicts_ = false;
+  as_one_since_ns_ = as_one_ns_ = -1;
+}
+
 Outcome OdometryCheck::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Image& frame = *in[0];
   const int64_t now_ns = frame.timestamp_ns;

@@ -20,6 +20,8 @@ class OdometryCheck final : public ImageProcessor {
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
+  void begin_anew() noexcept override;
+
  private:
   struct Sample {
     int64_t timestamp_ns = 0;

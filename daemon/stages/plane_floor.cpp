@@ -36,6 +36,12 @@ std::vector<ImageSpec> PlaneFloor::check(std::span<const ImageSpec> in) {
   return {{Pixel::line16, 0, static_cast<uint16_t>(16 * config_.image_source.ndisp), 1}, record_spec<FloorModel>()};
 }
 
+void PlaneFloor::begin_anew() noexcept {
+  gravity_.forget();
+  last_.reset();
+  last_ns_ = 0;
+}
+
 Outcome PlaneFloor::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Image& disparity = *in[0];
   FloorModel& model = make_record<FloorModel>(*out[1]);

@@ -24,6 +24,8 @@ class PlaneFloor final : public ImageProcessor {
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
+  void begin_anew() noexcept override;
+
  private:
   /// Why nothing can be seen in these images; none if something can.
   Reason blindness(const Image& disparity, const Image& left) const noexcept;

@@ -135,6 +135,13 @@ void ObstacleTracks::tell(Tracks& tracks, int64_t now_ns) const noexcept {
   }
 }
 
+void ObstacleTracks::begin_anew() noexcept {
+  followed_.clear();
+  next_id_ = 1;
+  forgotten_ = frame_ = 0;
+  last_ns_ = 0;
+}
+
 Outcome ObstacleTracks::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Memory& memory = *in[5]->row<Memory>(0);
   const int64_t now_ns = in[0]->timestamp_ns;

@@ -19,6 +19,8 @@ class ObstacleTracks final : public ImageProcessor {
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
+  void begin_anew() noexcept override;
+
  private:
   struct Followed {
     uint32_t id;

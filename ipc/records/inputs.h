@@ -68,6 +68,10 @@ struct DriveOrder {
   InputTally tally;
 };
 
+/// Labels of events that the daemon itself understands: a recording begins, and every stage forgets what came before; the flight recorder
+/// is to write what it holds: because somebody asks, and because the rover hit something (any label that begins so).
+inline constexpr std::string_view recording_label = "recording", dump_flight_label = "dump-flight", bump_label = "bump";
+
 /// `in/event`: the last events, newest first. tally.in_step tells how many are new; of more than `capacity` the oldest are lost.
 struct Events {
   static constexpr RecordType type = RecordType::event;

@@ -292,6 +292,41 @@ TEST_F(DelayedTest, a_stage_reads_what_was_made_of_the_last_frame_further_down) 
   }
 }
 
+TEST_F(DelayedTest, begun_anew_there_is_no_last_frame_and_numbers_go_on) {
+  build_loop();
+  driver.need_all();
+  steps(3);
+  driver.begin_anew();
+  steps(2);
+  EXPECT_EQ(seen[3].reason, Reason::no_last_image);
+  EXPECT_TRUE(seen[4].valid);
+  EXPECT_EQ(image("back").sequence, 4u);
+}
+
+TEST_F(DelayedTest, a_recording_tells_the_number_of_the_next_frame_and_steps_are_counted_apart) {
+  build_loop();
+  driver.need_all();
+  driver.set_sequence(70);
+  steps(2);
+  EXPECT_EQ(image("back").sequence, 71u);
+  EXPECT_EQ(seen[1].age, 1u);
+  EXPECT_EQ(driver.sequence(), 72u);
+  EXPECT_EQ(driver.steps(), 2u);
+}
+
+TEST_F(DriverTest, a_stage_that_is_needed_runs_unwatched) {
+  int runs = 0;
+  camera = driver.add("camera", std::unique_ptr<ImageProcessor>(source), {}, Need::always);
+  driver.add("model", std::make_unique<Sometimes>(&runs, -1), {camera});
+  connect();
+  driver.step();
+  EXPECT_EQ(runs, 0);
+  EXPECT_TRUE(driver.need("model"));
+  EXPECT_FALSE(driver.need("truth/steering"));
+  driver.step();
+  EXPECT_EQ(runs, 1);
+}
+
 TEST_F(DelayedTest, the_last_image_is_the_drivers_own_and_not_what_was_published) {
   build_loop();
   driver.need_all();

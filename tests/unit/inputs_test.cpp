@@ -223,5 +223,51 @@ TEST_F(InputsTest, what_the_source_tells_goes_before_the_socket_and_is_of_the_fr
   EXPECT_EQ(seen[1].first, ImageState::blind);
 }
 
+TEST_F(InputsTest, what_was_recorded_is_shown_as_it_was_and_nothing_else_is_taken) {
+  RecordedStep step;
+  step.odometry = {Reason::none, flag_synthetic | flag_replayed, 123, {}};
+  step.odometry.record.header = {Odometry::type, Odometry::version, sizeof(Odometry)};
+  step.odometry.record.age_s = 0.25;
+  step.odometry.record.tally.refused = 9;
+  step.imu.reason = Reason::no_imu;
+  step.imu.record.roll = 0.5;
+  Driver driver(1);
+  driver.add_set({std::begin(input_topics), std::end(input_topics)},
+                 std::make_unique<Republish>(
+                     inputs, [] { return nullptr; }, [] { return nullptr; }, [&] { return &step; }),
+                 {}, Need::always);
+  EXPECT_EQ(take(odometry(start, 0), start), Refusal::recorded);
+  EXPECT_EQ(inputs.take(DriveMessage{{}, start, 1, 0}, 1, start), Refusal::recorded);
+  EXPECT_EQ(inputs.take(event(start, "recording"), 1, start), Refusal::recorded);
+  EXPECT_FALSE(inputs.recording_begins());
+  driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
+  int seen = 0;
+  driver.set_viewer([&](const Topic& topic, const Image& image) {
+    if (const Odometry* record = record_of<Odometry>(image)) {
+      EXPECT_TRUE(image.valid());
+      EXPECT_EQ(image.timestamp_ns, 123);
+      EXPECT_EQ(image.flags, flag_synthetic | flag_replayed);
+      EXPECT_EQ(record->age_s, 0.25);
+      EXPECT_EQ(record->tally.refused, 9u);
+      ++seen;
+    }
+    if (topic.name == "in/imu") {
+      EXPECT_EQ(image.reason, Reason::no_imu);
+      EXPECT_EQ(image.row<Imu>(0)->roll, 0.5);
+      ++seen;
+    }
+  });
+  driver.step();
+  EXPECT_EQ(seen, 2);
+}
+
+TEST_F(InputsTest, an_event_called_recording_is_told_once) {
+  EXPECT_EQ(inputs.take(event(start, "recordings"), 1, start), Refusal::none);
+  EXPECT_FALSE(inputs.recording_begins());
+  EXPECT_EQ(inputs.take(event(start, "recording"), 1, start), Refusal::none);
+  EXPECT_TRUE(inputs.recording_begins());
+  EXPECT_FALSE(inputs.recording_begins());
+}
+
 }  // namespace
 }  // namespace vdisp
