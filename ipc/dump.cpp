@@ -96,9 +96,11 @@ void FrameDump::add_file(const std::string& file, std::string_view bytes) {
 
 void FrameDump::add(std::string_view topic_view, const Image& image) {
   const std::string topic(topic_view);
-  if (image.spec == record_spec<Catalogue>() || image.spec == record_spec<Heartbeat>()) return;
-  // What comes in has a time and a state of its own: it says nothing of the frame.
-  const bool of_frame = !topic.starts_with("in/");
+  for (const ImageSpec& own :
+       {record_spec<Catalogue>(), record_spec<Heartbeat>(), record_spec<RecorderStatus>(), record_spec<CalibrationText>()})
+    if (image.spec == own) return;
+  // What comes in has a time and a state of its own, and what cameras deliver none: they say nothing of the frame.
+  const bool incoming = topic.starts_with("in/"), of_frame = !incoming && image.spec != record_spec<CameraStatus>();
   if (!json_->seen && of_frame) {
     json_->seen = true;
     json_->head = {{"sequence", image.sequence},
@@ -116,7 +118,7 @@ void FrameDump::add(std::string_view topic_view, const Image& image) {
   json_->stages[topic] = {{"valid", image.valid()}, {"reason", name(image.reason)}};
   if (image.spec == record_spec<FloorModel>()) json_->floor = floor_json(image);
   if (image.spec.pixel == Pixel::line16 && !image.valid()) add_file(topic + ".csv", line_csv_header);
-  if (!of_frame) json_->records[topic.substr(3)] = input_json(image);
+  if (incoming) json_->records[topic.substr(3)] = input_json(image);
   if (!image.valid()) return;
   if (const TruthScene* scene = record_of<TruthScene>(image)) json_->records["truth_scene"] = scene_json(*scene);
   if (const MapChanges* changes = record_of<MapChanges>(image)) json_->records[topic] = changes_json(*changes);

@@ -24,8 +24,8 @@ class FrameDump {
   FrameDump& operator=(const FrameDump&) = delete;
 
   /// Pictures become files, records members of frame.json; of a blind image only its reason is written, and of a blind line the
-  /// head of its table. `catalogue` and
-  /// `heartbeat` tell of the daemon, not of the frame, and are passed over.
+  /// head of its table. `catalogue`,
+  /// `heartbeat`, `recorder` and `calibration` tell of the daemon, not of the frame, and are passed over.
   void add(std::string_view topic, const Image& image);
   /// One more file in the frame's folder; folders in `name` are created.
   void add_file(const std::string& name, std::string_view bytes);

@@ -209,6 +209,20 @@ TEST_F(DumpTest, what_the_cameras_deliver_becomes_a_member) {
   EXPECT_FALSE(fs::exists(root_ / "000000/camera/status.png"));
 }
 
+TEST_F(DumpTest, the_frames_time_is_the_pictures_also_where_the_cameras_status_comes_first) {
+  BufferOutlet status(record_spec<CameraStatus>()), gray({Pixel::gray8, 0, 2, 1});
+  make_record<CameraStatus>(status.loan());
+  gray.loan().timestamp_ns = 123;
+  gray.loan().set_blind(Reason::no_camera);
+  FrameDump dump(root_ / "000000");
+  dump.add("camera/status", status.loan());
+  dump.add("camera/left", gray.loan());
+  dump.finish();
+  const auto frame = nlohmann::json::parse(read(root_ / "000000/frame.json"));
+  EXPECT_EQ(frame["timestamp_ns"], 123);
+  EXPECT_EQ(frame["reason"], "no_camera");
+}
+
 TEST_F(DumpTest, truth_of_the_simulator_becomes_a_member_with_its_objects) {
   BufferOutlet outlet(record_spec<TruthScene>());
   auto& scene = make_record<TruthScene>(outlet.loan());
