@@ -3,6 +3,7 @@
 #include "daemon/tree.h"
 
 #include "daemon/control/republish.h"
+#include "daemon/sources/calibration_report.h"
 #include "daemon/sources/camera_report.h"
 #include "daemon/stages/calibration_watch.h"
 #include "daemon/stages/census_disparity.h"
@@ -129,6 +130,7 @@ void build_tree(Driver& driver, std::unique_ptr<StereoSource> source, Machine& m
   if (stereo.driven()) orders.push_back(driver.last("drive", record_spec<DriveCommand>()));
   const auto camera = driver.add_set({"camera/left", "camera/right"}, std::move(source), orders, Need::always);
   if (stereo.cameras()) driver.add("camera/status", make_unique<CameraReport>(stereo), {}, Need::always);
+  if (calibration) driver.add("calibration", make_unique<CalibrationReport>(*calibration));
   const auto in = driver.add_set(
       {std::begin(input_topics), std::end(input_topics)},
       make_unique<Republish>(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <span>
 
@@ -135,14 +136,33 @@ Stand stand_of(const Calibration& calibration) {
   return stand;
 }
 
+namespace {
+
+/// A neighbour of `near`, or itself, for which `gives` holds: what is written reads back to the last bit, since it once came from such a
+/// number.
+template <class Gives>
+double neighbour(double near, const Gives& gives) {
+  double up = near, down = near;
+  for (int step = 0; step < 4; ++step) {
+    if (gives(up)) return up;
+    if (gives(down)) return down;
+    up = std::nextafter(up, INFINITY);
+    down = std::nextafter(down, -INFINITY);
+  }
+  return near;
+}
+
+}  // namespace
+
 std::array<double, 12> projection_of(const Calibration& calibration, int side) {
   if (calibration.raw) return (*calibration.raw)[side].projection;
   const StereoView& view = calibration.view;
-  return {view.f, 0, side == 0 ? view.cx : view.cx - view.cx_offset, side == 0 ? 0 : -view.f * view.baseline, 0, view.f, view.cy, 0, 0, 0,
-          1,      0};
+  const double cx = side == 0 ? view.cx : neighbour(view.cx - view.cx_offset, [&](double x) { return view.cx - x == view.cx_offset; });
+  const double t = side == 0 ? 0 : neighbour(-view.f * view.baseline, [&](double x) { return (0 - x) / view.f == view.baseline; });
+  return {view.f, 0, cx, t, 0, view.f, view.cy, 0, 0, 0, 1, 0};
 }
 
-std::vector<CalibrationText> calibration_texts(const Calibration& calibration, CalibrationFormat format) {
+std::vector<CalibrationFile> calibration_texts(const Calibration& calibration, CalibrationFormat format) {
   switch (format) {
     case CalibrationFormat::svs: return {{"", svs_text(calibration)}};
     case CalibrationFormat::ros: return {{"left.yaml", ros_text(calibration, 0)}, {"right.yaml", ros_text(calibration, 1)}};

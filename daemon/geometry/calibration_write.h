@@ -12,7 +12,7 @@ namespace vdisp {
 
 enum class CalibrationFormat { opencv, svs, ros };
 
-struct CalibrationText {
+struct CalibrationFile {
   std::string name;  ///< in the folder of a pair: left.yaml, right.yaml; empty where one file is all
   std::string content;
 };
@@ -20,7 +20,7 @@ struct CalibrationText {
 /// What read_calibration() reads back to the same numbers, but for rounding (1e-9 of each). OpenCV: M1 D1 M2 D2 R T R1 R2 P1 P2, or P1 P2
 /// of rectified images; SVS 4.0, in mm; ROS: left.yaml and right.yaml. Throws CalibrationError where the format cannot hold it: SVS knows
 /// no k4 to k6 and no skew, ROS needs the image size, a camera that is not rectified as well.
-std::vector<CalibrationText> calibration_texts(const Calibration& calibration, CalibrationFormat format);
+std::vector<CalibrationFile> calibration_texts(const Calibration& calibration, CalibrationFormat format);
 
 /// Where the right camera stands seen from the left: x_right = rotation x_left + translation (m).
 struct Stand {

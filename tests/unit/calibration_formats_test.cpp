@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <charconv>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <random>
 #include <sstream>
+#include <tuple>
 
 #include "daemon/geometry/calibration_write.h"
 #include "tests/support/temporary_folder.h"
@@ -48,7 +50,7 @@ class Formats : public ::testing::Test {
   Calibration there_and_back(const Calibration& c, CalibrationFormat format) {
     const TemporaryFolder folder;
     std::filesystem::path path = folder.path();
-    for (const CalibrationText& text : calibration_texts(c, format)) {
+    for (const CalibrationFile& text : calibration_texts(c, format)) {
       const auto file = folder.write(text.name.empty() ? ending_of(format) : text.name, text.content);
       if (text.name.empty()) path = file;
     }
@@ -88,6 +90,24 @@ Calibration random_calibration(unsigned seed) {
   std::copy_n(rotation.val, 9, stand.rotation.begin());
   stand.translation = {draw(-0.3, -0.05), draw(-0.004, 0.004), draw(-0.004, 0.004)};
   return make_calibration(640, 480, cameras, stand);
+}
+
+TEST_F(Formats, opencv_yaml_reads_back_to_the_last_bit_so_that_a_replay_sees_the_same_calibration) {
+  std::mt19937_64 random(1);
+  const auto any = [&](double from, double to) { return std::uniform_real_distribution(from, to)(random); };
+  for (int i = 0; i < 300; ++i) {
+    const double f = any(150, 1500), cx = any(300, 340), cy = any(220, 260);
+    const auto number = [](double value) {
+      char digits[40];
+      return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    };
+    std::string text = "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n";
+    for (const auto& [name, x, t] : {std::tuple{"P1", cx, 0.0}, std::tuple{"P2", cx - any(-3, 3), -any(20, 400)}})
+      text += std::string(name) + ": !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ " + number(f) + ", 0., " + number(x) +
+              ", " + number(t) + ", 0., " + number(f) + ", " + number(cy) + ", 0., 0., 0., 1., 0. ]\n";
+    const Calibration c = read_calibration(folder_.write("p.yml", text));
+    EXPECT_EQ(there_and_back(c, CalibrationFormat::opencv).hash, c.hash) << text;
+  }
 }
 
 TEST_F(Formats, random_cameras_go_through_every_pair_of_formats_unchanged) {

@@ -84,11 +84,11 @@ void write_calibration(const Calibration& calibration, CalibrationFormat format,
     throw write_error("cannot create", path, error ? error.value() : ENOTDIR);
   const fs::path place = folder ? path : path.parent_path();
   const Workshop workshop(place.empty() ? "." : place);
-  const auto name = [&](const CalibrationText& text) { return folder ? fs::path(text.name) : path.filename(); };
-  for (const CalibrationText& text : texts) write_file(workshop.path() / name(text), text.content);
+  const auto name = [&](const CalibrationFile& text) { return folder ? fs::path(text.name) : path.filename(); };
+  for (const CalibrationFile& text : texts) write_file(workshop.path() / name(text), text.content);
   if (!same(calibration, read_calibration(folder ? workshop.path() : workshop.path() / name(texts[0]))))
     throw std::logic_error("what was written reads back as something else");
-  for (const CalibrationText& text : texts) move_to(workshop.path() / name(text), folder ? path / text.name : path);
+  for (const CalibrationFile& text : texts) move_to(workshop.path() / name(text), folder ? path / text.name : path);
 }
 
 }  // namespace vdisp::calibrate
