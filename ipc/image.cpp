@@ -125,6 +125,32 @@ std::string_view name(Decider decider) {
   return "unknown";
 }
 
+std::string_view name(FlightCause cause) {
+  switch (cause) {
+    case FlightCause::none: return "none";
+    case FlightCause::asked: return "asked";
+    case FlightCause::signal: return "signal";
+    case FlightCause::floor_lost: return "floor_lost";
+    case FlightCause::camera_lost: return "camera_lost";
+    case FlightCause::bump: return "bump";
+    case FlightCause::count: break;
+  }
+  return "unknown";
+}
+
+std::string_view describe(FlightCause cause) {
+  switch (cause) {
+    case FlightCause::none: return "nothing";
+    case FlightCause::asked: return "asked for";
+    case FlightCause::signal: return "a signal";
+    case FlightCause::floor_lost: return "the floor was lost";
+    case FlightCause::camera_lost: return "the camera was lost";
+    case FlightCause::bump: return "a bump was reported";
+    case FlightCause::count: break;
+  }
+  return "unknown";
+}
+
 std::string_view name(Refusal refusal) {
   switch (refusal) {
     case Refusal::none: return "none";

@@ -12,4 +12,5 @@
 #include "records/map_changes.h"
 #include "records/memory.h"
 #include "records/record.h"
+#include "records/recorder.h"
 #include "records/truth.h"

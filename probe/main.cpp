@@ -22,8 +22,20 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   CLI::App* sub = add("view", "Page through the stages in a window: arrow keys, ? for help", view, false);
   sub->add_option("NAME", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
   sub->add_option("--stage", options.topics, "Stage to begin with")->expected(1)->type_name("TOPIC");
-  sub->add_option("--control", options.control, "The daemon's control socket, for the sliders; without it the usual places")
-      ->type_name("PATH");
+  const auto add_drive = [&](CLI::App* word_app) {
+    word_app->add_option("--speed", options.speed, "Speed of an order ahead")
+        ->check(CLI::Range(0.01, 10.0))
+        ->type_name("M/S")
+        ->capture_default_str();
+    word_app->add_option("--turn", options.turn, "Turn rate of an order to turn")
+        ->check(CLI::Range(0.01, 10.0))
+        ->type_name("RAD/S")
+        ->capture_default_str();
+    word_app->add_option("--control", options.control, "The daemon's control socket ([control] socket), also for the sliders; without it the usual places")
+        ->type_name("PATH");
+  };
+  sub->add_flag("--drive", options.drive, "Drive by hand: arrow keys, mouse buttons or a gamepad; ? for help");
+  add_drive(sub);
   sub = add("list", "The stages as a tree: format, readers, runs, time", list);
   sub->add_flag("--json", options.json, "As JSON");
   sub = add("dump", "Write the images of whole frames to a folder, in the format of vdispd --dump", dump);
@@ -52,6 +64,23 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   CLI::Option* pixel = sub->add_flag("--pixel", options.pixel, "A pixel of the left view");
   sub->add_flag("--cell")->description("A cell of the map, as without it")->excludes(pixel);
   sub->add_flag("--json", options.json, "As JSON, one line");
+  sub = add("record", "Record pairs, labels and what comes in to a folder; source = files or replay shows it again", record);
+  sub->add_option("DIR", options.output, "Folder to write; it must not hold a recording")->required();
+  sub->add_option("--rate", options.rate, "Pairs a second; without it every frame, and the stages begin anew with the recording")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->type_name("HZ");
+  sub->add_option("--seconds", options.seconds, "How long; without it until it is stopped")->check(CLI::Range(0.001, 1e7))->type_name("S");
+  sub->add_flag("--running", options.running, "Let the stages remember what came before; a replay does not");
+  sub->add_flag("--view", options.window, "In the window, driven by hand: arrow keys, mouse buttons or a gamepad");
+  sub->add_flag("--json", options.json, "As JSON");
+  add_drive(sub);
+  sub = add("replay", "Run vdispd on a recording, with the configuration it was made with", replay, false);
+  sub->add_option("DIR", options.output, "Folder of the recording")->required();
+  sub->add_option("OPTION", options.topics, "Options for vdispd, behind --");
+  sub = add("dump-flight", "Write what the flight recorder holds to a folder, and tell its name", dump_flight);
+  sub->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")
+      ->type_name("PATH");
+  sub->add_flag("--json", options.json, "As JSON");
   const auto add_control = [&](const char* name, const char* help, int (*function)(const Options&)) {
     CLI::App* word_app = add(name, help, function, false);
     word_app->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")
@@ -111,7 +140,7 @@ int run(int argc, char** argv) {
     return 64;
   }
   try {
-    return word(options);
+    return word == record && options.window ? view(options) : word(options);
   } catch (const ProbeError& error) {
     std::cerr << "vdisp-probe: " << error.what() << "\n";
     return error.exit_code;

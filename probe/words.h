@@ -29,10 +29,14 @@ struct Options {
   double rate = 0;                  ///< send: lines a second; 0: as the lines say, or as they come
   int row = 0, column = 0;          ///< why: of the cell, or of the pixel
   bool pixel = false;               ///< why: a pixel of the left view
-  double seconds = 0;               ///< latency: how long to measure; 0: since the daemon's start
+  double seconds = 0;               ///< latency: how long to measure, 0: since the daemon's start; record: how long, 0: until it is stopped
   bool reader = false;              ///< latency: as a reader gets it
+  bool running = false;             ///< record: the stages do not begin anew
+  bool window = false;              ///< record: in the window
+  bool drive = false;               ///< view: the keys drive the rover
+  double speed = 0.3, turn = 0.5;   ///< view, record: what a key held means, m/s and rad/s
   std::vector<std::string> sets;    ///< compare: KEY=VALUE
-  std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show
+  std::vector<std::string> topics;  ///< dump: empty for all; view, map: the one to show; replay: options of vdispd
 };
 
 int view(const Options& options);
@@ -49,5 +53,8 @@ int get(const Options& options);
 int save(const Options& options);
 int undo(const Options& options);
 int send(const Options& options);
+int record(const Options& options);
+int replay(const Options& options);
+int dump_flight(const Options& options);
 
 }  // namespace vdisp

@@ -26,6 +26,8 @@ enum class RecordType : uint16_t {
   cross_check = 16,
   calibration_watch = 17,
   health = 18,
+  recorder = 20,
+  calibration_text = 21,
 };
 
 /// First member of each record: what it is, so that a reader can refuse what it does not know.

@@ -3,6 +3,7 @@
 #include "probe/view/screen.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 
 #include "probe/attach.h"
@@ -42,6 +43,15 @@ void draw_bar(Picture& page, const ScreenState& state) {
   page.fill({margin, 6, chip_width, bar_height - 12}, chip.colour);
   page.text(margin + 8, 7, chip.text, colours::background);
   int x = margin + chip_width + 14;
+  const auto add_chip = [&](const std::string& text, Colour colour) {
+    if (text.empty()) return;
+    const int width = Picture::text_width(text) + 16;
+    page.fill({x, 6, width, bar_height - 12}, colour);
+    page.text(x + 8, 7, text, colours::background);
+    x += width + 8;
+  };
+  add_chip(state.recording, colours::bad);
+  add_chip(state.drive, colours::accent);
   char right[96] = "";
   if (state.image) {
     const char* synthetic = state.image->flags & flag_synthetic ? "synthetic  " : "";
@@ -122,20 +132,30 @@ void draw_state(Picture& page, Box room, const ScreenState& state) {
   }
 }
 
-void draw_help(Picture& page, Box room) {
-  static constexpr const char* lines[][2] = {{"Down, left click", "next stage"},
-                                             {"Up, right click", "previous stage"},
-                                             {"Left, Right, wheel", "image of the stage"},
-                                             {"c", "next colour map"},
-                                             {"s", "save the picture as PNG"},
-                                             {"space", "freeze, and go on"},
-                                             {"t", "tree of the stages"},
-                                             {"p", "sliders of the stage's parameters"},
-                                             {"Tab, + -, drag", "choose one, and change it"},
-                                             {"u, w", "undo; write to vdisp.cfg"},
-                                             {"a", "sliders of this stage, or all"},
-                                             {"?", "this help"},
-                                             {"q, Esc", "quit"}};
+void draw_help(Picture& page, Box room, bool drives) {
+  std::vector<std::array<const char*, 2>> lines{{"Down, left click", "next stage"},
+                                                {"Up, right click", "previous stage"},
+                                                {"Left, Right, wheel", "image of the stage"},
+                                                {"p", "sliders of the stage's parameters"},
+                                                {"Tab, + -, drag", "choose one, and change it"}};
+  if (drives)
+    lines = {{"Up, Left, Right", "held: ahead, turn"},
+             {"Down", "held: stand"},
+             {"mouse button", "turns while held, then ahead"},
+             {"middle, leave", "ends driving by mouse"},
+             {"gamepad", "left stick or cross"},
+             {"Page Up, Down", "stage"},
+             {"Tab, wheel", "image of the stage"},
+             {"p, + -", "sliders, and change one"}};
+  static constexpr std::array<const char*, 2> others[] = {{"u, w", "undo; write to vdisp.cfg"},
+                                                          {"a", "sliders of this stage, or all"},
+                                                          {"c", "next colour map"},
+                                                          {"s", "save the picture as PNG"},
+                                                          {"space", "freeze, and go on"},
+                                                          {"t", "tree of the stages"},
+                                                          {"?", "this help"},
+                                                          {"q, Esc", "quit"}};
+  lines.insert(lines.end(), std::begin(others), std::end(others));
   const int height = static_cast<int>(std::size(lines)) * 22 + 24, width = 420;
   const Box box{room.x + (room.width - width) / 2, room.y + (room.height - height) / 2, width, height};
   page.blend(box, {10, 11, 14}, 235);
@@ -210,7 +230,7 @@ Picture draw_screen(const ScreenState& state, int width, int height) {
   const std::string hint = picture ? "point at the picture for its values" : "";
   const std::string line = told ? state.message : value.empty() ? hint : value;
   page.text(margin, end + 5, line.substr(0, fits), told ? colours::accent : value.empty() ? colours::dim : colours::text);
-  if (state.help) draw_help(page, {0, bar_height, width, end - bar_height});
+  if (state.help) draw_help(page, {0, bar_height, width, end - bar_height}, state.drives);
   return page;
 }
 

@@ -19,9 +19,12 @@ struct ScreenState {
   Trust trust = Trust::dead;
   Reason reason = Reason::none;
   double age_s = 0;
-  double rate = 0;      ///< images per second
-  std::string trouble;  ///< why there is no daemon
-  std::string message;  ///< shown for a while: "saved ..."
+  double rate = 0;        ///< images per second
+  std::string trouble;    ///< why there is no daemon
+  std::string recording;  ///< what is being recorded: "REC 123"; empty: nothing is
+  bool drives = false;    ///< keys and mouse drive the rover
+  std::string drive;      ///< the order that is held
+  std::string message;    ///< shown for a while: "saved ..."
   PaintStyle style;
   bool tree = true, help = false, frozen = false;
   int mouse_x = -1, mouse_y = -1;

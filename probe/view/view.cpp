@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "ipc/png.h"
 #include "probe/attach.h"
 #include "probe/frame_set.h"
+#include "probe/hand_drive.h"
 #include "probe/kept.h"
+#include "probe/recorded.h"
 #include "probe/view/screen.h"
 #include "probe/view/tuner.h"
 #include "probe/view/window.h"
@@ -24,8 +27,13 @@ constexpr milliseconds draw_period{33}, idle_period{250}, catalogue_period{1000}
 
 class Viewer {
  public:
-  Viewer(Client& client, const Options& options)
-      : client_(client), window_("vdisp-probe " + options.name, 960, 620), tuner_(options.control) {
+  Viewer(Client& client, Control& control, const Options& options)
+      : client_(client),
+        window_("vdisp-probe " + options.name, 960, 620, options.drive || options.window),
+        tuner_(options.control) {
+    state_.drives = options.drive || options.window;
+    if (state_.drives) hand_.emplace(control, options.speed, options.turn);
+    if (options.window) recorder_.emplace(client, control, options);
     const std::string first = options.topics.empty() ? "" : options.topics.front();
     take_catalogue(first.empty() ? client.topics(Client::Time(1500)) : topics_of(client));
     if (!first.empty()) require(state_.entries, first);
@@ -34,12 +42,22 @@ class Viewer {
     }
   }
 
+  const DriveRecorder* recorder() const { return recorder_ ? &*recorder_ : nullptr; }
+
+  /// Until the operator ends it, or the recording is over.
   void run() {
+    view();
+    if (recorder_) recorder_->finish();
+  }
+
+ private:
+  void view() {
     while (!quit_) {
       const auto since = std::chrono::duration_cast<milliseconds>(Clock::now() - drawn_);
-      const int limit = static_cast<int>(std::max<int64_t>((draw_period - since).count(), 1));
+      const int longest = hand_ || recorder_ ? 4 : 1000;  // ms: frames and orders do not wait for the picture
+      const int limit = static_cast<int>(std::clamp<int64_t>((draw_period - since).count(), 1, longest));
       for (auto input = window_.wait(limit); input; input = window_.wait(0)) handle(*input);
-      if (stopped()) return;
+      if (stopped() || quit_ || !go_on()) return;
       look();
       const auto now = Clock::now();
       if (now - drawn_ < (changed_ ? draw_period : idle_period)) continue;
@@ -47,7 +65,26 @@ class Viewer {
     }
   }
 
- private:
+  /// Drives and records. False: what was to be recorded is.
+  bool go_on() {
+    const std::string before = state_.drive + state_.recording;
+    if (hand_) {
+      hand_->tick(window_.hands(), Clock::now());
+      state_.drive = hand_->words();
+    }
+    const bool more = !recorder_ || recorder_->poll(Client::Time(0));
+    if (recorder_) {
+      state_.recording = "REC " + std::to_string(recorder_->pairs()) + " " + std::string(name(recorder_->label()));
+      if (!recorder_->warning().empty() && !warned_) {
+        warned_ = true;
+        state_.message = recorder_->warning();
+        message_until_ = Clock::now() + message_time;
+      }
+    }
+    changed_ = changed_ || before != state_.drive + state_.recording;
+    return more;
+  }
+
   void draw(Clock::time_point now) {
     drag();
     if (now > message_until_) state_.message.clear();
@@ -269,8 +306,10 @@ class Viewer {
   Client::Topic topic_ = -1, height_ = -1;
   std::string topic_name_;
   int64_t seen_ready_ns_ = 0;
-  bool quit_ = false, changed_ = true;
+  bool quit_ = false, changed_ = true, warned_ = false;
   bool drag_waits_ = false;  // the mouse has moved with a slider
+  std::optional<HandDrive> hand_;
+  std::optional<DriveRecorder> recorder_;
   Clock::time_point drawn_{}, catalogue_asked_{}, message_until_{}, rate_since_{};
   uint64_t rate_sequence_ = 0, rate_epoch_ = 0;
 };
@@ -281,9 +320,11 @@ int view(const Options& options) {
   Client client(options.name);
   stop_on_signals();
   attach(client, options);
+  Control control(options.control, std::chrono::milliseconds(100));
   try {
-    Viewer viewer(client, options);
+    Viewer viewer(client, control, options);
     viewer.run();
+    if (viewer.recorder()) tell_recorded(*viewer.recorder(), options);
   } catch (const NoWindow& error) {
     throw ProbeError(69, std::string(error.what()) + "; without one use vdisp-probe map");
   }

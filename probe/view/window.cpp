@@ -5,6 +5,7 @@
 #include <SDL2/SDL.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace vdisp {
@@ -13,16 +14,25 @@ struct Window::Implementation {
   SDL_Window* window = nullptr;
   bool inside = false;
   int x = -1, y = -1;
+  bool drives = false;
+  Hands hands;
+  SDL_GameController* gamepad = nullptr;
+
+  /// The event was one that drives.
+  bool drive(const SDL_Event& event);
+  void look_at_gamepad();
 };
 
 namespace {
 
 constexpr uint64_t poll_ms = 5;
 
-std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
+std::optional<Input> key_input(const SDL_KeyboardEvent& key, bool drives) {
   switch (key.keysym.sym) {
-    case SDLK_DOWN: return Input::next_stage;
-    case SDLK_UP: return Input::previous_stage;
+    case SDLK_DOWN:
+    case SDLK_PAGEDOWN: return Input::next_stage;
+    case SDLK_UP:
+    case SDLK_PAGEUP: return Input::previous_stage;
     case SDLK_RIGHT: return Input::next_image;
     case SDLK_LEFT: return Input::previous_image;
     case SDLK_q:
@@ -34,7 +44,9 @@ std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
     case SDLK_BACKSPACE: return Input::undo;
     case SDLK_t: return Input::tree;
     case SDLK_p: return Input::panel;
-    case SDLK_TAB: return key.keysym.mod & KMOD_SHIFT ? Input::previous_slider : Input::next_slider;
+    case SDLK_TAB:  // where the arrow keys drive, there is no other for images
+      if (drives) return Input::next_image;
+      return key.keysym.mod & KMOD_SHIFT ? Input::previous_slider : Input::next_slider;
     case SDLK_w: return Input::write;
     case SDLK_a: return Input::all_sliders;
     case SDLK_F1:
@@ -43,9 +55,70 @@ std::optional<Input> key_input(const SDL_KeyboardEvent& key) {
   }
 }
 
+constexpr double stick_rest = 0.2;  // of its way: sticks do not come back to their middle exactly
+
+double beyond_rest(int axis) {
+  const double part = std::clamp(axis / 32767.0, -1.0, 1.0);
+  return std::abs(part) <= stick_rest ? 0 : (part - std::copysign(stick_rest, part)) / (1 - stick_rest);
+}
+
 }  // namespace
 
-Window::Window(const std::string& title, int width, int height) : implementation_(std::make_unique<Implementation>()) {
+bool Window::Implementation::drive(const SDL_Event& event) {
+  switch (event.type) {
+    case SDL_KEYDOWN:
+    case SDL_KEYUP: {
+      const bool held = event.type == SDL_KEYDOWN;
+      switch (event.key.keysym.sym) {
+        case SDLK_UP: hands.up = held; return true;
+        case SDLK_DOWN: hands.down = held; return true;
+        case SDLK_LEFT: hands.left = held; return true;
+        case SDLK_RIGHT: hands.right = held; return true;
+        default: return false;
+      }
+    }
+    case SDL_MOUSEBUTTONDOWN:
+    case SDL_MOUSEBUTTONUP: {
+      const bool held = event.type == SDL_MOUSEBUTTONDOWN;
+      if (event.button.button == SDL_BUTTON_LEFT) hands.mouse_left = held;
+      if (event.button.button == SDL_BUTTON_RIGHT) hands.mouse_right = held;
+      if (event.button.button == SDL_BUTTON_MIDDLE && held) {
+        hands.mouse = false;
+      } else if (held) {
+        hands.mouse = true;
+      }
+      return true;
+    }
+    case SDL_WINDOWEVENT:
+      if (event.window.event == SDL_WINDOWEVENT_FOCUS_LOST) hands = {};
+      if (event.window.event == SDL_WINDOWEVENT_FOCUS_GAINED) hands.focus = true;
+      if (event.window.event == SDL_WINDOWEVENT_LEAVE) hands.mouse = hands.mouse_left = hands.mouse_right = false;
+      return false;
+    case SDL_CONTROLLERDEVICEADDED:
+      if (!gamepad) gamepad = SDL_GameControllerOpen(event.cdevice.which);
+      return true;
+    case SDL_CONTROLLERDEVICEREMOVED:
+      if (gamepad) SDL_GameControllerClose(gamepad);
+      gamepad = nullptr;
+      return true;
+    default: return false;
+  }
+}
+
+void Window::Implementation::look_at_gamepad() {
+  hands.stick = false;
+  if (!gamepad || !SDL_GameControllerGetAttached(gamepad)) return;
+  const auto pressed = [&](SDL_GameControllerButton button) { return static_cast<int>(SDL_GameControllerGetButton(gamepad, button)); };
+  hands.stick_ahead = -beyond_rest(SDL_GameControllerGetAxis(gamepad, SDL_CONTROLLER_AXIS_LEFTY)) + pressed(SDL_CONTROLLER_BUTTON_DPAD_UP) -
+                      pressed(SDL_CONTROLLER_BUTTON_DPAD_DOWN);
+  hands.stick_left = -beyond_rest(SDL_GameControllerGetAxis(gamepad, SDL_CONTROLLER_AXIS_LEFTX)) +
+                     pressed(SDL_CONTROLLER_BUTTON_DPAD_LEFT) - pressed(SDL_CONTROLLER_BUTTON_DPAD_RIGHT);
+  hands.stick_ahead = std::clamp(hands.stick_ahead, -1.0, 1.0);
+  hands.stick_left = std::clamp(hands.stick_left, -1.0, 1.0);
+  hands.stick = hands.focus && (hands.stick_ahead != 0 || hands.stick_left != 0);
+}
+
+Window::Window(const std::string& title, int width, int height, bool drives) : implementation_(std::make_unique<Implementation>()) {
   // Left alone, SDL would fall back to a window that nobody sees.
   if (!std::getenv("SDL_VIDEODRIVER")) {
     const bool x11 = std::getenv("DISPLAY"), wayland = std::getenv("WAYLAND_DISPLAY");
@@ -54,6 +127,7 @@ Window::Window(const std::string& title, int width, int height) : implementation
   }
   SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
   SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");  // else OpenGL, and without a graphics card its emulation
+  implementation_->drives = drives;
   if (SDL_Init(SDL_INIT_VIDEO) != 0) throw NoWindow(std::string("no display for a window (SDL: ") + SDL_GetError() + ")");
   SDL_Rect usable;
   if (SDL_GetDisplayUsableBounds(0, &usable) == 0) width = std::min(width, usable.w), height = std::min(height, usable.h);
@@ -65,9 +139,11 @@ Window::Window(const std::string& title, int width, int height) : implementation
     throw NoWindow("cannot open a window (SDL: " + error + ")");
   }
   SDL_SetWindowMinimumSize(implementation_->window, 360, 280);
+  if (drives) SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without one there are still keys and mouse
 }
 
 Window::~Window() {
+  if (implementation_->gamepad) SDL_GameControllerClose(implementation_->gamepad);
   SDL_DestroyWindow(implementation_->window);
   SDL_Quit();
 }
@@ -79,15 +155,17 @@ std::optional<Input> Window::wait(int limit_ms) {
     // Not SDL_WaitEventTimeout: it wakes itself by messages over a second connection to the X server, and one that arrives after the
     // window is gone ends the program with BadWindow.
     if (!SDL_PollEvent(&event)) {
+      if (implementation_->drives) implementation_->look_at_gamepad();
       const uint64_t now = SDL_GetTicks64();
       if (now >= until) return {};
       SDL_Delay(static_cast<uint32_t>(std::min<uint64_t>(until - now, poll_ms)));
       continue;
     }
+    if (implementation_->drives && implementation_->drive(event)) return Input::moved;
     switch (event.type) {
       case SDL_QUIT: return Input::quit;
       case SDL_KEYDOWN:
-        if (const auto input = key_input(event.key)) return input;
+        if (const auto input = key_input(event.key, implementation_->drives)) return input;
         break;
       case SDL_TEXTINPUT:  // '?', '+' and '-' sit on another key on each keyboard
         if (event.text.text[0] == '?') return Input::help;
@@ -142,6 +220,7 @@ int Window::height() const {
   return height;
 }
 
+const Hands& Window::hands() const { return implementation_->hands; }
 int Window::mouse_x() const { return implementation_->x; }
 int Window::mouse_y() const { return implementation_->y; }
 

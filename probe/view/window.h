@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "probe/hand_drive.h"
 #include "probe/picture.h"
 
 namespace vdisp {
@@ -43,14 +44,17 @@ class NoWindow : public std::runtime_error {
 
 class Window {
  public:
+  /// `drives`: arrow keys, mouse buttons and a gamepad do not page through the stages, but show in hands().
   /// Throws NoWindow.
-  Window(const std::string& title, int width, int height);
+  Window(const std::string& title, int width, int height, bool drives = false);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
   /// What was done next; waits for it at most this long.
   std::optional<Input> wait(int limit_ms);
+  /// What is held now; kept up by wait().
+  const Hands& hands() const;
   void show(const Picture& picture);
   void set_title(const std::string& title);
   int width() const;

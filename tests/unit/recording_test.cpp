@@ -9,6 +9,7 @@
 
 #include "ipc/outlet.h"
 #include "ipc/recording_text.h"
+#include "ipc/step_taker.h"
 #include "tests/support/temporary_folder.h"
 
 namespace vdisp {
@@ -236,6 +237,65 @@ TEST_F(RecordingTest, what_is_broken_is_refused_in_one_line_that_says_what_would
   broken([&] { replace(folder / "inputs.csv", "\n1,33333333,none", "\n1,33333334,none"); }, "has a pair of time 33333334");
   broken([&] { replace(folder / "inputs.csv", "\n1,33333333,none", "\n1,33333333,no_frame"); }, "the next in index.csv is 33333333");
   broken([&] { replace(folder / "inputs.csv", ",no_imu,", ",no_idea,"); }, "imu.reason = 'no_idea'");
+}
+
+/// What a step leaves, of a camera of 16x2.
+struct StepTakerTest : testing::Test {
+  static constexpr ImageSpec camera{Pixel::gray8, 0, 16, 2};
+  BufferOutlet left{camera}, right{camera}, order{record_spec<DriveOrder>()}, truth{record_spec<Decision>()},
+      drive{record_spec<DriveCommand>()};
+  StepTaker taker{camera};
+  TakenStep taken{camera};
+
+  StepTakerTest() {
+    for (BufferOutlet* outlet : {&left, &right}) std::fill_n(outlet->loan().row<uint8_t>(0), 2 * camera.stride(), uint8_t{outlet == &left});
+    make_record<DriveOrder>(order.loan()).speed = 0.3;
+    make_record<Decision>(truth.loan()).steering = Steering::turn_left;
+    make_record<DriveCommand>(drive.loan()).speed = 0.2;
+    taker.begin(taken);
+    taker.see("camera/left", left.loan());
+    taker.see("camera/right", right.loan());
+  }
+};
+
+TEST_F(StepTakerTest, the_label_is_the_simulators_before_the_operators) {
+  taker.see("in/drive", order.loan());
+  taker.see("truth/steering", truth.loan());
+  ASSERT_TRUE(taker.finish());
+  EXPECT_EQ(taken.views.label, Label::left);
+  EXPECT_EQ(taken.views.left[0], 1);
+  EXPECT_EQ(taken.views.right[camera.stride()], 0);
+}
+
+TEST_F(StepTakerTest, an_order_labels_while_it_is_younger_than_300_ms) {
+  for (const double age : {0.1, 0.29, 0.31}) {
+    order.loan().row<DriveOrder>(0)->age_s = age;
+    taker.begin(taken);
+    taker.see("camera/left", left.loan());
+    taker.see("in/drive", order.loan());
+    ASSERT_TRUE(taker.finish());
+    EXPECT_EQ(taken.views.label, age < 0.3 ? Label::forward : Label::none);
+    EXPECT_EQ(std::isnan(taken.views.speed), age > 0.3);
+  }
+}
+
+TEST_F(StepTakerTest, speed_is_what_the_rover_was_told_in_the_end_and_the_decision_is_no_label) {
+  taker.see("in/drive", order.loan());
+  taker.see("drive", drive.loan());
+  taker.see("decision", truth.loan());
+  ASSERT_TRUE(taker.finish());
+  EXPECT_EQ(taken.views.speed, 0.2);
+  EXPECT_EQ(taken.views.label, Label::forward);
+}
+
+TEST_F(StepTakerTest, a_blind_order_labels_nothing_and_its_record_is_kept) {
+  order.loan().set_blind(Reason::no_drive);
+  taker.see("in/drive", order.loan());
+  ASSERT_TRUE(taker.finish());
+  EXPECT_EQ(taken.views.label, Label::none);
+  EXPECT_EQ(taken.step.drive.reason, Reason::no_drive);
+  EXPECT_EQ(taken.step.drive.record.speed, 0.3);
+  EXPECT_FALSE(taker.finish()) << "nothing came of a next step";
 }
 
 TEST(Label, is_what_the_order_turns_to) {
