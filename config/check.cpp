@@ -78,6 +78,11 @@ class Check {
     }
   }
 
+  void recorder() {
+    if (config_.recorder.seconds <= 0 || !config_.recorder.folder.empty()) return;
+    refuse({"recorder.seconds", "recorder.folder"}, value("recorder.seconds") + " without folder, must have folder = where to write");
+  }
+
   void mosaic() {
     const auto& s = config_.image_source;
     if (s.source != "sim" || s.bayer == "none") return;
@@ -155,6 +160,7 @@ std::vector<Contradiction> check(const Config& config) {
   check.cpus();
   check.files();
   check.mosaic();
+  check.recorder();
   check.sizes();
   check.search();
   check.floor();

@@ -57,6 +57,7 @@ struct Config {
   snow_section snow;
   decide_section decide;
   control_section control;
+  recorder_section recorder;
   drive_section drive;
   sim_section sim;
 

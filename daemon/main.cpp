@@ -28,7 +28,7 @@ namespace vdisp {
 namespace {
 
 constexpr int longest_wait_ms = 100;  // for a pair: heartbeat and control socket wait as long
-volatile std::sig_atomic_t stop_asked = 0;
+volatile std::sig_atomic_t stop_asked = 0, flight_asked = 0;
 
 /// One run: everything is built in the constructor, which may throw; after it nothing allocates, but for the dump.
 class Run {
@@ -46,6 +46,7 @@ class Run {
     auto source = open_source(config_);
     source_ = source.get();
     build_tree(driver_, std::move(source), machine_, config_, inputs_);
+    recorder_.add_report(driver_);
     if (!options.dot.empty()) write_graph(driver_, options.dot);
     if (!options.dump.empty()) dump_.emplace(options.dump, options.images);
     shared_ = publish(driver_, config_, dump_ ? options.dump : options.record);
@@ -54,14 +55,14 @@ class Run {
                      [](std::string_view line, bool fault) { fault ? log::warn("{}", line) : log::info("{}", line); });
     report_.emplace(config_, *source_, inputs_, *control_);
     driver_.set_reporter([this](Health& health, const Catalogue& catalogue) { (*report_)(health, catalogue); });
-    if (!options.record.empty()) record_ = start_record(options.record, driver_, config_, source_->calibration(), epoch_);
+    recorder_.start(options.record, driver_, config_, source_->calibration(), epoch_);
     if (dump_) driver_.need_all();
     service_.emplace(config_, [this] { return !shared_ || shared_->attachable(); });
     driver_.set_viewer([this](const Topic& topic, const Image& image) {
       edges_.see(topic, image);
       service_->see(topic, image);
       if (dump_) dump_->see(topic, image);
-      if (record_) record_->see(topic, image);
+      recorder_.see(topic, image);
     });
     lock_memory(config_.main);
   }
@@ -86,15 +87,12 @@ class Run {
       if (driver_.steps() == 1)
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
-      if (record_) record_->finish_step();
+      recorder_.finish_step();
       if (options_.frames && driver_.steps() >= options_.frames) break;
       wait_for_next(
           due, stop_asked, [this] { return period_ns(); }, [this] { driver_.beat(), serve(); });
     }
-    if (record_) {
-      record_->finish();
-      log::info("{} pairs recorded in {}", record_->pairs(), options_.record);
-    }
+    recorder_.finish();
   }
 
   /// Readers survive only this way of ending (ipc/shm.h).
@@ -115,9 +113,13 @@ class Run {
   void serve() {
     service_->expect(period_ns());
     for (std::string line; source_->news(line);) log::info("{}", line);
+    if (flight_asked) recorder_.ask_flight();
+    flight_asked = 0;
     const int64_t period = std::max<int64_t>(source_->pair_period_ns(), config_.main.period * 1'000'000LL);
     driver_.set_deadline(static_cast<int64_t>(config_.main.deadline * 1e6), period);
-    if (!control_->serve(driver_.sequence())) return;
+    const bool changed = control_->serve(driver_.sequence());
+    if (inputs_.recording_begins()) driver_.begin_anew();
+    if (!changed) return;
     driver_.set_config_generation(control_->generation());
     log::set_level(config_.main.debug);
   }
@@ -136,14 +138,15 @@ class Run {
   std::optional<CommandSocket> control_;
   std::optional<HealthReport> report_;
   std::optional<Dump> dump_;
-  std::unique_ptr<Record> record_;
   std::optional<Service> service_;
+  Recorder recorder_;
 };
 
 int main(int argc, char** argv) {
   Parsed parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop_asked = 1; });
+  std::signal(SIGUSR1, [](int) { flight_asked = 1; });
   ConfigWatch::hold_hangup();
   std::signal(SIGPIPE, SIG_IGN);
   log::start(parsed.options.config.main.debug);

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "daemon/kernels/kernels.h"
+#include "daemon/recorder.h"
 #include "daemon/tree.h"
 #include "ipc/shm.h"
 
@@ -49,7 +50,9 @@ void print_memory(std::ostream& out, const Config& config) {
     Machine machine;
     Driver driver(0);
     Inputs inputs(config);
+    Recorder recorder;
     build_tree(driver, open_source(config), machine, config, inputs);
+    recorder.add_report(driver);
     TopicList topics;
     for (const Topic& topic : driver.published_topics()) topics.emplace_back(topic.name, topic.spec);
     std::ostringstream pools;

@@ -1,12 +1,34 @@
-// recorder.cpp: what is told of a run beside its pairs.
+// recorder.cpp: what is told of a run beside its pairs, and who takes them.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/recorder.h"
 
 #include <sstream>
 
+#include "daemon/core/clock.h"
 #include "daemon/geometry/calibration_write.h"
+#include "daemon/log/log.h"
 
 namespace vdisp {
+namespace {
+
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+/// Never blind: it tells of the recorder, not of the frame.
+class RecorderReport final : public ImageProcessor {
+ public:
+  explicit RecorderReport(const RecorderStatus& status) : status_(status) {}
+  std::vector<ImageSpec> check(std::span<const ImageSpec>) override { return {record_spec<RecorderStatus>()}; }
+  Outcome process(std::span<const Image* const>, std::span<Image* const> out) noexcept override {
+    RecorderStatus& record = make_record<RecorderStatus>(*out[0]);
+    const RecordHeader header = record.header;
+    record = status_;
+    record.header = header;
+    return Outcome::valid;
+  }
+
+ private:
+  const RecorderStatus& status_;
+};
 
 ImageSpec camera_spec(const Driver& driver) {
   for (const Topic& topic : driver.topics())
@@ -14,8 +36,7 @@ ImageSpec camera_spec(const Driver& driver) {
   return {};
 }
 
-RecordingInfo recording_info(const Config& config, const Driver& driver, uint64_t epoch) {
-  const ImageSpec camera = camera_spec(driver);
+RecordingInfo describe(const Config& config, const ImageSpec& camera, uint64_t epoch) {
   RecordingInfo info;
   info.program = "vdispd " VDISP_VERSION;
   info.source = config.image_source.source;
@@ -30,8 +51,9 @@ RecordingInfo recording_info(const Config& config, const Driver& driver, uint64_
   return info;
 }
 
-std::vector<std::pair<std::string, std::string>> recording_texts(const Config& config, const std::optional<Calibration>& calibration) {
-  std::vector<std::pair<std::string, std::string>> texts;
+/// What lies beside the pairs: the calibration, where there is one, and vdisp.cfg as it was understood.
+Texts texts_of(const Config& config, const std::optional<Calibration>& calibration) {
+  Texts texts;
   if (calibration) texts.emplace_back("calibration.yml", calibration_texts(*calibration, CalibrationFormat::opencv)[0].content);
   std::ostringstream printed;
   print_config(printed, config);
@@ -39,10 +61,47 @@ std::vector<std::pair<std::string, std::string>> recording_texts(const Config& c
   return texts;
 }
 
-std::unique_ptr<Record> start_record(const std::string& folder, Driver& driver, const Config& config,
-                                     const std::optional<Calibration>& calibration, uint64_t epoch) {
-  driver.need("truth/steering");
-  return std::make_unique<Record>(folder, recording_info(config, driver, epoch), recording_texts(config, calibration), camera_spec(driver));
+}  // namespace
+
+void Recorder::add_report(Driver& driver) { driver.add("recorder", std::make_unique<RecorderReport>(status_)); }
+
+void Recorder::start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration,
+                     uint64_t epoch) {
+  const ImageSpec camera = camera_spec(driver);
+  if (!folder.empty()) {
+    driver.need("truth/steering");
+    record_ = std::make_unique<RecordThread>(folder, describe(config, camera, epoch), texts_of(config, calibration), camera);
+    folder_ = folder;
+    status_.recording = 1;
+  }
+  if (config.recorder.seconds > 0) {
+    flight_ = std::make_unique<FlightRecorder>(config, camera, describe(config, camera, epoch), texts_of(config, calibration));
+    flight_->tell(status_);
+  }
+}
+
+void Recorder::see(const Topic& topic, const Image& image) noexcept {
+  if (record_) record_->see(topic.name, image);
+  if (flight_) flight_->see(topic.name, image);
+}
+
+void Recorder::finish_step() {
+  if (record_) record_->finish_step(), ++status_.recorded;
+  if (!flight_) return;
+  flight_->finish_step(monotonic_ns());
+  flight_->tell(status_);
+}
+
+void Recorder::ask_flight() noexcept {
+  if (flight_) return flight_->ask(FlightCause::signal);
+  log::warn("SIGUSR1: there is no flight recorder to write; [recorder] seconds is 0");
+}
+
+void Recorder::finish() {
+  flight_.reset();
+  if (!record_) return;
+  record_->finish();
+  log::info("{} pairs recorded in {}", record_->pairs(), folder_);
 }
 
 }  // namespace vdisp

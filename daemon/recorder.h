@@ -1,4 +1,4 @@
-// recorder.h: `--record DIR` as the daemon's options and tree have it.
+// recorder.h: all that records a run: `--record DIR`, the flight recorder, and the stage that tells of both.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,20 +9,33 @@
 #include "config/config.h"
 #include "daemon/core/driver.h"
 #include "daemon/geometry/calibration.h"
-#include "daemon/record/record.h"
+#include "daemon/record/flight_recorder.h"
+#include "ipc/record_thread.h"
 
 namespace vdisp {
 
-/// What a recording tells of this run: its source, world and seed.
-RecordingInfo recording_info(const Config& config, const Driver& driver, uint64_t epoch);
-/// The files that lie beside the pairs: calibration.yml where there is one, and vdisp.cfg as it was understood.
-std::vector<std::pair<std::string, std::string>> recording_texts(const Config& config, const std::optional<Calibration>& calibration);
+/// The loop's. But for finish_step() with --record no call waits.
+class Recorder {
+ public:
+  /// The stage `recorder`, which shows what this was at the end of the step before.
+  void add_report(Driver& driver);
+  /// When the tree is built. `folder`: of --record, empty: none; it makes the simulator's labels as well, where there are some.
+  /// Throws WriteError.
+  void start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration,
+             uint64_t epoch);
+  void see(const Topic& topic, const Image& image) noexcept;
+  /// After each step. Throws WriteError where --record cannot go on.
+  void finish_step();
+  /// SIGUSR1: the flight recorder is to write what it holds.
+  void ask_flight() noexcept;
+  /// Writes what waits, and says so. Throws WriteError.
+  void finish();
 
-/// Format of camera/left in this tree.
-ImageSpec camera_spec(const Driver& driver);
-
-/// Makes the simulator's labels as well, where it has some. Throws WriteError.
-std::unique_ptr<Record> start_record(const std::string& folder, Driver& driver, const Config& config,
-                                     const std::optional<Calibration>& calibration, uint64_t epoch);
+ private:
+  RecorderStatus status_{};
+  std::unique_ptr<RecordThread> record_;
+  std::unique_ptr<FlightRecorder> flight_;
+  std::string folder_;
+};
 
 }  // namespace vdisp

@@ -1012,6 +1012,57 @@ class Parameters(DriveProofs, ProgramTest):
         for turn, accepted in ((3, 1), (40, 2)):
             self.assertEqual(self.accepted("0,0,0\n0,0,1.5\n", f"control.maxTurn={turn}", pause=0.3)["odometry"]["accepted"], accepted)
 
+    # recordings
+    def record(self, *sets, frames=4):
+        Parameters.runs += 1
+        folder = self.folder / f"drive{Parameters.runs}"
+        arguments = [word for item in [*BASE, *sets] for word in ("--set", item)]
+        result = run("vdispd", *arguments, "--frames", frames, "--record", folder)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return folder
+
+    def test_image_source_recording(self):
+        drive = self.record("sim.seed=5")
+        again = self.files(f"image source.recording={drive}", frames=4)
+        live = self.dump("sim.seed=5", frames=4)
+        numpy.testing.assert_array_equal(again.picture("disparity"), live.picture("disparity"))
+        self.assertEqual(again.json["timestamp_ns"], live.json["timestamp_ns"])
+
+    def flights(self, *sets, wait=1.2, asks=1):
+        """The folders that the flight recorder wrote, oldest first, each when it was asked."""
+        Parameters.runs += 1
+        folder = self.folder / f"flight{Parameters.runs}"
+        values = ("sim.width=160", "sim.height=120", "image source.ndisp=32", "sim.rate=30", "main.detectors=none", f"recorder.folder={folder}",
+                  "recorder.free=0", "recorder.seconds=5", *sets)
+        with Running("vdispd", "--sim", *[word for item in values for word in ("--set", item)]) as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text()), daemon.text())
+            time.sleep(wait)
+            for _ in range(asks):
+                run("vdisp-probe", "dump-flight")
+        return sorted(folder.iterdir()) if folder.exists() else []
+
+    def steps(self, *sets, **options):
+        return len((self.flights(*sets, **options)[0] / "index.csv").read_text().splitlines()) - 1
+
+    def test_recorder_seconds(self):
+        self.assertEqual(self.flights("recorder.seconds=0"), [])
+        self.assertLess(self.steps("recorder.seconds=0.3"), self.steps("recorder.seconds=1"))
+
+    def test_recorder_memory(self):
+        self.assertLess(self.steps("recorder.memory=1", wait=2.5), 30)  # 1 MiB holds 26 pairs of 160x120
+        self.assertGreater(self.steps("recorder.memory=4", wait=2.5), 40)
+
+    def test_recorder_folder(self):
+        self.assertEqual(len(self.flights()), 1)
+        self.assert_refused(run("vdispd", "--sim", "--set", "recorder.seconds=1"), 78, "without folder")
+
+    def test_recorder_keep(self):
+        self.assertEqual([len(self.flights(f"recorder.keep={keep}", asks=3, wait=0.3)) for keep in (1, 2, 10)], [1, 2, 3])
+
+    def test_recorder_free(self):
+        self.assertEqual(len(self.flights("recorder.free=1")), 1)
+        self.assertEqual(self.flights("recorder.free=1048576"), [])
+
     def test_no_key_is_without_a_proof(self):
         section, missing = "", []
         proofs = {name for name in dir(self) if name.startswith("test_")}

@@ -202,7 +202,7 @@ TEST_F(ConfigFile, an_unknown_section_names_the_nearest_and_its_keys_are_judged_
   EXPECT_EQ(complaints("[image_source]\n"), "t.cfg:1: no section [image_source], nearest is [image source]\n");
   EXPECT_EQ(complaints("[broccoli]\nx=5\n[Floor]\niterRansac=5\n"),
             "t.cfg:1: no section [broccoli], there are [main], [image source], [camera], [mounting], [Floor], [Limit obstacle], [Map], "
-            "[Memory], [census], [snow], [decide], [ipc], [control], [drive], [sim]\n"
+            "[Memory], [census], [snow], [decide], [ipc], [control], [recorder], [drive], [sim]\n"
             "t.cfg:4: iterRansac = 5, must be a number from 10 to 2000 [-], default 100\n");
 }
 

@@ -10,6 +10,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "ipc/outlet.h"
+#include "ipc/recording.h"
 #include "tests/support/temporary_folder.h"
 
 namespace vdisp {
@@ -592,6 +593,104 @@ TEST(FilesData, kitti_street_gives_41_pairs) {
   int pairs = 0;
   while (run.grab() == Outcome::valid) ++pairs;
   EXPECT_EQ(pairs, 41);
+}
+
+/// Steps 40 to 44 of a daemon, the third one blind, 0.1 s from one to the next.
+struct Replayed : Files {
+  Config config;
+  Replayed() {
+    config.image_source.source = "files";
+    config.image_source.recording = (folder_ / "drive").string();
+  }
+  void record(bool synthetic) {
+    RecordingInfo info;
+    info.width = 64, info.height = 48, info.synthetic = synthetic;
+    RecordingWriter writer(folder_ / "drive", info);
+    for (int i = 0; i < 5; ++i) {
+      const cv::Mat left = picture(i, true), right = picture(i, false);
+      RecordedStep step;
+      step.sequence = static_cast<uint64_t>(40 + i);
+      step.timestamp_ns = 1'000'000'000 + i * 100'000'000;
+      step.flags = synthetic ? flag_synthetic : 0u;
+      step.odometry.timestamp_ns = step.odometry.record.timestamp_ns = step.timestamp_ns - 1;
+      step.odometry.record.frame = 2;
+      if (i == 2) step.reason = Reason::no_camera;
+      const RecordedViews views{left.data, right.data, static_cast<uint32_t>(left.step)};
+      writer.add(step, step.has_pair() ? &views : nullptr);
+    }
+  }
+};
+
+TEST_F(Replayed, gives_pairs_blindness_times_and_numbers_as_they_were_and_begins_again) {
+  record(false);
+  config.image_source.loop = true;
+  Player player(config);
+  for (int round : {0, 1}) {
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_EQ(player.source().next_sequence(), static_cast<uint64_t>(40 + i + 5 * round));
+      EXPECT_EQ(player.grab(), i == 2 ? Outcome::invalid : Outcome::valid);
+      if (i == 2) {
+        EXPECT_EQ(player.image(0).reason, Reason::no_camera);
+      } else {
+        EXPECT_EQ(player.value(0) - 100, 10 * i);
+      }
+      const int64_t time = 1'000'000'000 + (i + 5 * round) * 100'000'000;
+      EXPECT_EQ(player.image(1).timestamp_ns, time);
+      EXPECT_EQ(player.image(0).flags, flag_synthetic | flag_replayed) << "cameras saw it, and nobody drives by it";
+      const RecordedStep& told = *player.source().recorded();
+      EXPECT_EQ(told.odometry.timestamp_ns, time - 1);
+      EXPECT_EQ(told.odometry.record.frame, 2u + 3 * static_cast<uint32_t>(round)) << "odometry begins anew where the recording does";
+      EXPECT_EQ(told.odometry.flags, flag_synthetic | flag_replayed);
+    }
+  }
+}
+
+TEST_F(Replayed, what_was_synthetic_is_no_more_than_that) {
+  record(true);
+  Player player(config);
+  player.grab();
+  EXPECT_EQ(player.image(0).flags, static_cast<uint32_t>(flag_synthetic));
+  EXPECT_EQ(player.grab(), Outcome::valid);
+  EXPECT_EQ(player.grab(), Outcome::invalid);
+  EXPECT_EQ(player.story(), "34.");
+}
+
+TEST_F(Replayed, without_inputs_pairs_are_counted_and_the_socket_may_tell) {
+  record(true);
+  std::filesystem::remove(folder_ / "drive/inputs.csv");
+  Player player(config);
+  EXPECT_EQ(player.source().recorded(), nullptr);
+  EXPECT_EQ(player.source().next_sequence(), 0u);
+  EXPECT_EQ(player.story(3), "013");
+  EXPECT_EQ(player.image(0).timestamp_ns, 1'300'000'000);
+  EXPECT_EQ(player.story(), "4.");
+}
+
+TEST_F(Replayed, a_picture_that_is_damaged_inside_makes_a_bad_pair_and_the_recording_goes_on) {
+  record(true);
+  std::fstream file(folder_ / "drive/left/1100000000_none.png", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(60);
+  file << "damage";
+  file.close();
+  Player player(config);
+  EXPECT_EQ(player.grab(), Outcome::valid);
+  EXPECT_EQ(player.grab(), Outcome::invalid);
+  EXPECT_EQ(player.image(0).reason, Reason::bad_pair);
+  EXPECT_NE(player.source().fault().find("1100000000_none.png"), std::string_view::npos);
+  EXPECT_EQ(player.grab(), Outcome::invalid);
+  EXPECT_EQ(player.grab(), Outcome::valid);
+  EXPECT_EQ(player.value(0) - 100, 30);
+}
+
+TEST_F(Replayed, other_sizes_and_recordings_without_a_pair_are_refused) {
+  EXPECT_REFUSED(config, "66", "no such folder");
+  record(true);
+  config.image_source.width = 320;
+  EXPECT_REFUSED(config, "78", "are 64x48, needed by width and height is 320x48");
+  config.image_source.width = 0;
+  std::filesystem::remove(folder_ / "drive/inputs.csv");
+  std::ofstream(folder_ / "drive/index.csv") << "timestamp_ns,label,left,right,speed,turn_rate\n";
+  EXPECT_REFUSED(config, "66", "holds no whole pair");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "daemon/core/clock.h"
 #include "daemon/log/edges.h"
 #include "daemon/log/log.h"
+#include "daemon/record/flight_recorder.h"
 #include "daemon/stages/features.h"
 #include "daemon/tree.h"
 #include "tests/support/own_allocations.h"
@@ -96,7 +97,15 @@ TEST_P(NoMallocTest, the_loop_takes_nothing_from_the_heap_with_every_stage_on) {
   build_tree(driver, open_source(config), machine, config, inputs);
   driver.connect([](const std::string&, const ImageSpec& spec) { return std::make_unique<BufferOutlet>(spec); });
   driver.need_all();
-  driver.set_viewer([&](const Topic& topic, const Image& image) { edges.see(topic, image); });
+  config.recorder.seconds = 1;
+  config.recorder.folder = (folder / "flight").string();
+  RecordingInfo info;
+  info.width = info.height = 1;
+  FlightRecorder recorder(config, {Pixel::gray8, 0, 320, 240}, info, {});
+  driver.set_viewer([&](const Topic& topic, const Image& image) {
+    edges.see(topic, image);
+    recorder.see(topic.name, image);
+  });
   CommandSocket control(config, {}, inputs, true, [](std::string_view line, bool) { log::warn("{}", line); });
   Talker talker(config.control.socket);
   const auto serve = [&](int step) {
@@ -108,6 +117,7 @@ TEST_P(NoMallocTest, the_loop_takes_nothing_from_the_heap_with_every_stage_on) {
   for (int i = 0; i < 100; ++i) {
     serve(i);
     driver.step();
+    recorder.finish_step(monotonic_ns());
     driver.beat();
   }
   const Allocations found = count.end();
