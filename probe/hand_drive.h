@@ -8,17 +8,9 @@
 
 #include "ipc/include/vdisp/control.h"
 #include "ipc/recorded_step.h"
+#include "probe/view/hands.h"
 
 namespace vdisp {
-
-/// What is held in the window at this moment. Without focus nothing is.
-struct Hands {
-  bool focus = false;
-  bool up = false, down = false, left = false, right = false;   ///< arrow keys
-  bool mouse = false, mouse_left = false, mouse_right = false;  ///< driving by mouse; its buttons
-  bool stick = false;                                           ///< a gamepad's stick is off its middle
-  double stick_ahead = 0, stick_left = 0;                       ///< -1 to 1
-};
 
 struct HandOrder {
   double speed = 0, turn_rate = 0;  ///< m/s, rad/s to the left

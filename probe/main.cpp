@@ -31,7 +31,9 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
         ->check(CLI::Range(0.01, 10.0))
         ->type_name("RAD/S")
         ->capture_default_str();
-    word_app->add_option("--control", options.control, "The daemon's control socket ([control] socket), also for the sliders; without it the usual places")
+    word_app
+        ->add_option("--control", options.control,
+                     "The daemon's control socket ([control] socket), also for the sliders; without it the usual places")
         ->type_name("PATH");
   };
   sub->add_flag("--drive", options.drive, "Drive by hand: arrow keys, mouse buttons or a gamepad; ? for help");

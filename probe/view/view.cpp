@@ -28,9 +28,7 @@ constexpr milliseconds draw_period{33}, idle_period{250}, catalogue_period{1000}
 class Viewer {
  public:
   Viewer(Client& client, Control& control, const Options& options)
-      : client_(client),
-        window_("vdisp-probe " + options.name, 960, 620, options.drive || options.window),
-        tuner_(options.control) {
+      : client_(client), window_("vdisp-probe " + options.name, 960, 620, options.drive || options.window), tuner_(options.control) {
     state_.drives = options.drive || options.window;
     if (state_.drives) hand_.emplace(control, options.speed, options.turn);
     if (options.window) recorder_.emplace(client, control, options);

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "probe/hand_drive.h"
 #include "probe/picture.h"
+#include "probe/view/hands.h"
 
 namespace vdisp {
 
