@@ -23,6 +23,7 @@ constexpr Part parts[] = {
     {"smooth/* census* depth_map features snow", "snow|census"},
     {"decision drive cross_check", "decide|snow"},
     {"in/*", "control"},
+    {"recorder", "recorder"},
 };
 
 bool among(std::string_view list, char between, std::string_view word) {
