@@ -24,7 +24,7 @@ class Reload(ProgramTest):
         self.config.write_text(text)
         daemon = Running("vdispd", "--sim", *SMALL, "-c", self.config, *options, stdout=subprocess.DEVNULL)
         self.addCleanup(daemon.__exit__)
-        self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None), daemon.text())
+        self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 30), daemon.text())
         self.assertIsNone(daemon.process.poll(), daemon.text())
         self.daemon = daemon
         return daemon
@@ -177,32 +177,38 @@ class Reload(ProgramTest):
 
     def test_a_hundred_hangups_and_a_file_written_all_the_time_cost_no_frame(self):
         self.start()
-        before = self.health()
-        begin = time.monotonic()
-        ended = threading.Event()
+
+        def frames_in(seconds):
+            before, begin = self.health()["frames"], time.monotonic()
+            time.sleep(seconds)
+            return (self.health()["frames"] - before) / (time.monotonic() - begin)
 
         def write():
             number = 0
             while not ended.wait(0.02):
                 number += 1
                 self.config.write_text(BEGIN.replace("= 5", f"= {5 + number % 90}"))
-        writer = threading.Thread(target=write)
-        writer.start()
-        for _ in range(100):
-            self.hang_up()
-            time.sleep(0.03)
-        ended.set()
-        writer.join()
-        self.assertTrue(wait_until(lambda: self.health()["reloads"] > before["reloads"] + 10, 5))
-        after = self.health()
-        seconds = time.monotonic() - begin
-        self.assertGreater(after["frames"] - before["frames"], 0.8 * 30 * (seconds - 2))
+                if number % 2:
+                    self.hang_up()
+        for _ in range(4):  # others may want the machine for themselves just then
+            usual = frames_in(3)
+            before = self.health()["reloads"]
+            ended = threading.Event()
+            writer = threading.Thread(target=write)
+            writer.start()
+            found = frames_in(4)
+            ended.set()
+            writer.join()
+            if found > 0.9 * usual:
+                break
+        self.assertGreater(found, 0.9 * usual, "frames a second, while the file is read again and again, and before")
+        self.assertTrue(wait_until(lambda: self.health()["reloads"] > before + 5, 5))
         self.config.write_text(BEGIN.replace("= 5", "= 3"))
         self.assertTrue(wait_until(lambda: self.value("minCount") == "3", 5), "the last one holds")
 
     def test_without_a_file_a_hangup_says_so_and_ends_nothing(self):
         with Running("vdispd", "--sim", *SMALL, stdout=subprocess.DEVNULL) as daemon:
-            self.assertTrue(wait_until(lambda: "ready" in daemon.text()), daemon.text())
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text(), 30), daemon.text())
             daemon.process.send_signal(signal.SIGHUP)
             self.assertTrue(wait_until(lambda: "without a vdisp.cfg" in daemon.text(), 5), daemon.text())
             self.assertIsNone(daemon.process.poll())
@@ -211,7 +217,7 @@ class Reload(ProgramTest):
         folder = self.write_pairs()
         config = self.write_config("loop = yes\nthresh = 5\n[Map]\nminCount = 3\n")
         with Running("vdispd", "-c", config, "--set", "main.period=20", "--set", "main.debug=1", stdout=subprocess.DEVNULL) as daemon:
-            self.assertTrue(wait_until(lambda: "ready" in daemon.text()), daemon.text())
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text(), 30), daemon.text())
             config.write_text(config.read_text().replace("minCount = 3", "minCount = 4"))
             time.sleep(1.2)
             self.assertNotIn("minCount", daemon.text())

@@ -23,7 +23,7 @@ class Daemon(ProgramTest):
     def start(self, *options):
         daemon = Running("vdispd", "--sim", *SMALL, *options, stdout=subprocess.DEVNULL)
         self.addCleanup(daemon.__exit__)
-        self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None), daemon.text())
+        self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 30), daemon.text())
         self.assertIsNone(daemon.process.poll(), daemon.text())
         return daemon
 
@@ -251,7 +251,7 @@ class Compare(Daemon):
         config.write_text(f"[image source]\nsource = files\nleft = {golden}/left/000000.png\nright = {golden}/right/000000.png\n"
                           f"paramfile = {golden}/calibration.yml\nloop = yes\nrate = 10\nndisp = 32\nalign = none\n[main]\ndetectors = none\n")
         with Running("vdispd", "-c", config, stdout=subprocess.DEVNULL) as daemon:
-            self.assertTrue(wait_until(lambda: "ready" in daemon.text()), daemon.text())
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text(), 30), daemon.text())
 
             def measured(name):
                 self.probe("dump", self.folder / name, "disparity", "left")
