@@ -99,7 +99,8 @@ TEST(TunerTest, each_live_parameter_is_told_with_some_stage_and_unknown_stages_h
   for (const Parameter& row : parameters()) {
     if (row.when != When::live) continue;
     bool told = false;
-    for (const char* topic : {"camera/left", "disparity", "floor_model", "surface", "map", "fused", "in/odometry", "snow", "decision", "recorder"})
+    for (const char* topic :
+         {"camera/left", "disparity", "floor_model", "surface", "map", "fused", "in/odometry", "snow", "decision", "recorder"})
       told |= concerns(topic, row.name());
     EXPECT_TRUE(told) << row.name();
     EXPECT_TRUE(concerns("a stage that is new", row.name()));
