@@ -125,6 +125,10 @@ ConfigWatch::Event ConfigWatch::wait(int limit_ms) {
     if (found > 0 && files[0].revents && read(asked_, &count, sizeof count) == sizeof count) return Event::asked;
     signalfd_siginfo signal{};
     if (found > 0 && files[1].revents && read(signals_, &signal, sizeof signal) == sizeof signal) {
+      if (signal.ssi_code == SI_KERNEL) {  // the terminal is gone that vdispd was started from
+        kill(getpid(), SIGTERM);
+        return Event::nothing;
+      }
       pid_ = static_cast<pid_t>(signal.ssi_pid);
       uid_ = signal.ssi_uid;
       return Event::hangup;

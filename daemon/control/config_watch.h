@@ -17,7 +17,8 @@ class ConfigWatch {
  public:
   enum class Event { nothing, asked, hangup, changed };
 
-  /// From here on SIGHUP ends no thread of this process and waits to be taken. Before the first thread is started.
+  /// From here on SIGHUP ends no thread of this process and waits to be taken. Before the first thread is started. That of the kernel, when
+  /// a terminal is lost, becomes SIGTERM.
   static void hold_hangup();
 
   /// `file`: empty: none. `changes`: whether it is watched.
@@ -30,7 +31,7 @@ class ConfigWatch {
   void ask() noexcept;
   /// The next event, `nothing` at the limit.
   Event wait(int limit_ms);
-  /// Who sent the signal last; pid 0: the kernel.
+  /// Who sent the signal last.
   pid_t pid() const { return pid_; }
   uid_t uid() const { return uid_; }
   /// Why changes are not seen, in one line; empty: they are, or need not be.

@@ -82,8 +82,12 @@ int compare(const Options& options) {
   }
   if (options.json || !options.output.empty()) {
     print(options.json ? json(comparison) : words(comparison));
-  } else {
+    return 0;
+  }
+  try {
     show(comparison, options);
+  } catch (const NoWindow& error) {
+    throw ProbeError(69, std::string(error.what()) + "; -o FILE writes the picture");
   }
   return 0;
 }

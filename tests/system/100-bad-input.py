@@ -4,7 +4,7 @@
 SPDX-License-Identifier: Apache-2.0
 """
 import os
-import signal
+import pty
 import subprocess
 
 import cv2
@@ -53,10 +53,15 @@ class BadInput(ProgramTest):
         self.assertEqual(run("vdispd", "-c", self.folder / "printed.cfg", "--check-config").returncode, 0)
 
     def test_a_lost_terminal_ends_the_daemon_cleanly(self):
-        with Running("vdispd", "--sim") as daemon:
-            self.assertTrue(wait_until(lambda: "ready" in daemon.text(), 20))
-            daemon.process.send_signal(signal.SIGHUP)
-            self.assertEqual(daemon.process.wait(5), 0)
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.execv(BIN / "vdispd", ["vdispd", "--sim"])
+        said = b""
+        while b"ready" not in said:
+            said += os.read(terminal, 4096)
+        os.close(terminal)
+        self.assertTrue(wait_until(lambda: os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT), 5))
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), 0)
         self.assertEqual(os.listdir("/dev/shm"), [])
 
     def test_all_complaints_about_a_configuration_come_at_once_and_it_ends_with_78(self):

@@ -276,7 +276,7 @@ class Compare(Daemon):
             self.assertIn(said, result.stderr)
         self.assert_refused(run("vdisp-probe", "compare", "thresh=3", "--stage", "nosuch", "-o", self.folder / "x.png"), 64, "nosuch", "disparity")
         plain = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")}
-        self.assertEqual(run("vdisp-probe", "compare", "thresh=3", env=plain).returncode, 69)
+        self.assert_refused(run("vdisp-probe", "compare", "thresh=3", env=plain), 69, "display", "-o FILE")
         self.assertEqual([p.name for p in self.folder.iterdir()], [])
 
 
