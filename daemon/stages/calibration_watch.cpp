@@ -45,6 +45,15 @@ std::vector<ImageSpec> CalibrationWatcher::check(std::span<const ImageSpec> in) 
   return {record_spec<CalibrationWatch>()};
 }
 
+void CalibrationWatcher::begin_anew() noexcept {
+  points_.clear();
+  line_ = {};
+  state_ = CalibrationState::measuring;
+  drifts_ = 0;
+  cell_ = unjudged_ = 0;
+  chance_.seed(1);
+}
+
 void CalibrationWatcher::look_in(int cell, const Image& left, const Image& right, const Image& disparity) noexcept {
   const int width = left.spec.width, height = left.spec.height;
   const int left_edge = std::max(cell % columns * width / columns, row_error_border),

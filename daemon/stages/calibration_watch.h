@@ -19,6 +19,7 @@ class CalibrationWatcher final : public ImageProcessor {
   explicit CalibrationWatcher(const Config& config) : config_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+  void begin_anew() noexcept override;
 
  private:
   void look(const Image& left, const Image& right, const Image& disparity) noexcept;

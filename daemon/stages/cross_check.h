@@ -13,6 +13,10 @@ class CompareWays final : public ImageProcessor {
   explicit CompareWays(const Config& config) : ways_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+  void begin_anew() noexcept override {
+    agreed_ = only_map_free_ = only_snow_free_ = 0;
+    disagrees_ = false;
+  }
 
  private:
   Ways ways_;

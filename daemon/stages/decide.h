@@ -15,6 +15,7 @@ class Decide final : public ImageProcessor {
   explicit Decide(const Config& config) : config_(config), ways_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+  void begin_anew() noexcept override { machine_ = {}; }
 
  private:
   const Config& config_;

@@ -21,6 +21,7 @@ class Drive final : public ImageProcessor {
   explicit Drive(const Config& config) : config_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
+  void begin_anew() noexcept override { has_disagreed_ = false; }
 
  private:
   bool slowed(const Image& cross_check, int64_t now_ns) noexcept;

@@ -126,7 +126,8 @@ class Control(ProgramTest):
             for word in words:
                 result = run("vdisp-probe", "set", key["key"], word)
                 if result.returncode:
-                    self.assertIn("must be less than", result.stderr)  # anglefloorMin and anglefloorMax
+                    # What contradicts another key: anglefloorMin and anglefloorMax, near and far, leastSpeed and speed.
+                    self.assertRegex(result.stderr, "must be (less than|at most) ")
             self.probe("set", key["key"], key["value"])
         self.assertEqual(self.frame_of("map")["reason"], "none")
         for before, after in zip(keys, json.loads(self.probe("get", "--json"))):
