@@ -13,37 +13,11 @@
 
 #include "daemon/core/ledger.h"
 #include "daemon/core/processor.h"
+#include "daemon/core/topic.h"
 #include "ipc/outlet.h"
 #include "ipc/records.h"
 
 namespace vdisp {
-
-enum class Need { on_demand, always };
-
-/// One topic of the tree. Where `last` is not -1 Driver::last() gave it: what the topic (known from connect() on) showed in the last frame.
-struct Handle {
-  int topic = -1, last = -1;
-  bool even_blind = false;  ///< its reader runs also where it is blind
-};
-/// The same input for a reader that has an answer where it is blind (what comes in, say) and asks valid(). A first input, too: it gives
-/// frame and time also where it is blind.
-constexpr Handle even_blind(Handle input) {
-  input.even_blind = true;
-  return input;
-}
-
-struct StageTiming {
-  uint64_t runs = 0, invalid = 0;
-  int64_t last_ns = 0, total_ns = 0, max_ns = 0;
-};
-
-/// What a topic looks like from outside.
-struct Topic {
-  std::string name;
-  ImageSpec spec;
-  std::vector<Handle> parents;
-  int stage = 0;
-};
 
 /// The paper's IPLDriver. Build: add() each stage, then connect(). Run: step() until it says end.
 class Driver {
@@ -137,9 +111,8 @@ class Driver {
   Ledger ledger_;
   int result_ = -1;
   bool need_all_ = false;
-  uint64_t steps_ = 0, blind_steps_ = 0, loans_ = 0;
-  uint64_t sequence_ = 0;  // of the next frame
-  int64_t began_ns_ = 0;   // connect()
+  uint64_t steps_ = 0, blind_steps_ = 0, loans_ = 0, sequence_ = 0;  // of the next frame
+  int64_t began_ns_ = 0;                                             // connect()
   int64_t step_total_ns_ = 0, last_beat_ns_ = 0, last_catalogue_ns_ = 0;
   std::array<int64_t, 32> step_starts_{};  // of the last steps, a ring: the period is theirs, so that a pause is soon forgotten
 };
