@@ -114,10 +114,6 @@ void Service::work() {
     const bool attachable = attachable_();
     const int64_t now_ns = monotonic_ns();
     tell_ready(now, now_ns);
-    if (reloading_ != told_reload_) {
-      told_reload_ = !told_reload_;
-      tell(told_reload_ ? "RELOADING=1" : "READY=1");
-    }
     if (now_ns - told_ns >= second || (ready_ && before.steps == 0)) {
       const std::string trouble = attachable ? "" : "no new reader can attach; ";
       if (now.steps > 0) tell("STATUS=" + trouble + status_line(before, now, static_cast<double>(now_ns - told_ns) * 1e-9));

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -33,8 +32,6 @@ class Service {
   void stepped(Outcome outcome, const Driver& driver, std::string_view fault) noexcept;
   /// The pause from step to step just now; also while one is waited for.
   void expect(int64_t pause_ns) noexcept;
-  /// A reload begins, or is done. From any thread; no wait.
-  void notify_reloading(bool begins) noexcept { reloading_ = begins; }
   /// The daemon ends.
   void stopping();
 
@@ -59,11 +56,10 @@ class Service {
   Facts shared_;
   bool ending_ = false;
 
-  std::atomic<bool> reloading_{false};
   int64_t watchdog_ns_ = 0, stretched_ns_ = 0;  // 0: systemd has no watchdog for us
   uint64_t fed_steps_ = 0;
   int64_t begin_ns_ = 0;
-  bool ready_ = false, told_reload_ = false, told_attachable_ = true, told_failure_ = false;
+  bool ready_ = false, told_attachable_ = true, told_failure_ = false;
   std::thread thread_;
 };
 
