@@ -3,7 +3,6 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <iostream>
 #include <memory>
@@ -14,15 +13,13 @@
 #include "daemon/core/pace.h"
 #include "daemon/dump.h"
 #include "daemon/failure.h"
-#include "daemon/health_report.h"
 #include "daemon/log/edges.h"
 #include "daemon/log/log.h"
 #include "daemon/options.h"
 #include "daemon/publish.h"
-#include "daemon/recorder.h"
 #include "daemon/service/realtime.h"
-#include "daemon/service/service.h"
 #include "daemon/tree.h"
+#include "daemon/upkeep.h"
 
 namespace vdisp {
 namespace {
@@ -46,23 +43,18 @@ class Run {
     auto source = open_source(config_);
     source_ = source.get();
     build_tree(driver_, std::move(source), machine_, config_, inputs_);
-    recorder_.add_report(driver_);
+    upkeep_.emplace(driver_, config_, *source_, inputs_);
     if (!options.dot.empty()) write_graph(driver_, options.dot);
     if (!options.dump.empty()) dump_.emplace(options.dump, options.images);
     shared_ = publish(driver_, config_, dump_ ? options.dump : options.record);
     const bool serves = shared_ != nullptr;  // else a recording is evaluated, by one configuration
-    control_.emplace(config_, ConfigOrigin{options.file, options.sets, serves}, inputs_, serves,
-                     [](std::string_view line, bool fault) { fault ? log::warn("{}", line) : log::info("{}", line); });
-    report_.emplace(config_, *source_, inputs_, *control_);
-    driver_.set_reporter([this](Health& health, const Catalogue& catalogue) { (*report_)(health, catalogue); });
-    recorder_.start(options.record, driver_, config_, source_->calibration(), epoch_);
+    upkeep_->begin({options.file, options.sets, serves}, options.record, epoch_, serves,
+                   [this] { return !shared_ || shared_->attachable(); });
     if (dump_) driver_.need_all();
-    service_.emplace(config_, [this] { return !shared_ || shared_->attachable(); });
     driver_.set_viewer([this](const Topic& topic, const Image& image) {
       edges_.see(topic, image);
-      service_->see(topic, image);
+      upkeep_->see(topic, image);
       if (dump_) dump_->see(topic, image);
-      recorder_.see(topic, image);
     });
     lock_memory(config_.main);
   }
@@ -83,48 +75,35 @@ class Run {
         break;
       }
       driver_.beat();
-      service_->stepped(outcome, driver_, source_->fault());
+      upkeep_->stepped(outcome);
       if (driver_.steps() == 1)
         log::info("ready: {} topics, {}", driver_.topics().size(), shared_ ? "published as " + config_.main.name : "not published");
       if (dump_) dump_->finish_frame(driver_, source_->files());
-      recorder_.finish_step();
       if (options_.frames && driver_.steps() >= options_.frames) break;
       wait_for_next(
-          due, stop_asked, [this] { return period_ns(); }, [this] { driver_.beat(), serve(); });
+          due, stop_asked, [this] { return upkeep_->period_ns(); }, [this] { driver_.beat(), serve(); });
     }
-    recorder_.finish();
+    upkeep_->finish();
   }
 
   /// Readers survive only this way of ending (ipc/shm.h).
   void leave(int exit_code) {
     alarm(15);  // a camera that does not answer takes seconds
-    service_->stopping();
+    upkeep_->stopping();
     source_->close();  // the process may end without destructors, and a GigE camera would not know for 3 s
     alarm(2);          // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
     log::stop();
-    report_.reset();
-    control_.reset();
+    upkeep_->end();
     if (shared_) SharedMemory::leave(exit_code);
   }
 
  private:
-  /// What came by the control socket, or in vdisp.cfg, between two frames.
   void serve() {
-    service_->expect(period_ns());
-    for (std::string line; source_->news(line);) log::info("{}", line);
-    if (flight_asked) recorder_.ask_flight();
-    flight_asked = 0;
-    const int64_t period = std::max<int64_t>(source_->pair_period_ns(), config_.main.period * 1'000'000LL);
-    driver_.set_deadline(static_cast<int64_t>(config_.main.deadline * 1e6), period);
-    const bool changed = control_->serve(driver_.sequence());
-    if (inputs_.recording_begins()) driver_.begin_anew();
-    if (!changed) return;
-    driver_.set_config_generation(control_->generation());
-    log::set_level(config_.main.debug);
+    const bool flight = flight_asked;
+    if (flight) flight_asked = 0;
+    upkeep_->serve(flight);
   }
-
-  int64_t period_ns() const { return std::max<int64_t>(source_->period_ns(), config_.main.period * 1'000'000LL); }
 
   const Options& options_;
   Config& config_;  // changed between two frames only, by set and undo
@@ -135,11 +114,8 @@ class Run {
   Driver driver_;
   StereoSource* source_ = nullptr;  // owned by the driver
   std::unique_ptr<SharedMemory> shared_;
-  std::optional<CommandSocket> control_;
-  std::optional<HealthReport> report_;
   std::optional<Dump> dump_;
-  std::optional<Service> service_;
-  Recorder recorder_;
+  std::optional<Upkeep> upkeep_;
 };
 
 int main(int argc, char** argv) {
