@@ -47,4 +47,12 @@ int explain(std::exception_ptr failure) {
   }
 }
 
+void attempt(std::exception_ptr& failure, const std::function<void()>& act) {
+  try {
+    act();
+  } catch (...) {
+    if (!failure) failure = std::current_exception();
+  }
+}
+
 }  // namespace vdisp

@@ -83,18 +83,19 @@ class Run {
       wait_for_next(
           due, stop_asked, [this] { return upkeep_->period_ns(); }, [this] { driver_.beat(), serve(); });
     }
+  }
+
+  /// Ends all that writes, and all that logs. Throws WriteError where a recording is not whole.
+  void finish() {
+    alarm(15);  // a camera that does not answer takes seconds, and a disk may never answer
+    upkeep_->stopping();
+    source_->close();  // the process may end without destructors, and a GigE camera would not know for 3 s
     upkeep_->finish();
   }
 
   /// Readers survive only this way of ending (ipc/shm.h).
   void leave(int exit_code) {
-    alarm(15);  // a camera that does not answer takes seconds
-    upkeep_->stopping();
-    source_->close();  // the process may end without destructors, and a GigE camera would not know for 3 s
-    alarm(2);          // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
     if (exit_code == EX_OK) driver_.write_profile(std::cerr);
-    log::stop();
-    upkeep_->end();
     if (shared_) SharedMemory::leave(exit_code);
   }
 
@@ -127,15 +128,16 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   log::start(parsed.options.config.main.debug);
   std::optional<Run> run;
-  int exit_code = EX_OK;
-  try {
+  std::exception_ptr failure;
+  attempt(failure, [&] {
     take_processors(parsed.options.config.main);
     run.emplace(parsed.options);
     run->loop();
-  } catch (...) {
-    log::stop();
-    exit_code = explain(std::current_exception());
-  }
+  });
+  if (run) attempt(failure, [&] { run->finish(); });
+  alarm(2);  // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
+  log::stop();
+  const int exit_code = failure ? explain(failure) : EX_OK;
   if (run) run->leave(exit_code);
   return exit_code;
 }

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "daemon/core/background.h"
 #include "ipc/png.h"
 
 namespace vdisp {
@@ -163,6 +164,7 @@ void Metrics::offer(const Health& health, const Catalogue& catalogue) noexcept {
 }
 
 void Metrics::work() {
+  begin_in_background("metrics");
   while (true) {
     while (sem_wait(&news_) != 0 && errno == EINTR) {
     }

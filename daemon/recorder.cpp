@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/recorder.h"
 
-#include <sstream>
+#include <utility>
 
+#include "daemon/core/background.h"
 #include "daemon/core/clock.h"
 #include "daemon/geometry/calibration_write.h"
 #include "daemon/log/log.h"
@@ -52,12 +53,10 @@ RecordingInfo describe(const Config& config, const ImageSpec& camera, uint64_t e
 }
 
 /// What lies beside the pairs: the calibration, where there is one, and vdisp.cfg as it was understood.
-Texts texts_of(const Config& config, const std::optional<Calibration>& calibration) {
+Texts texts_of(std::string config, const std::optional<Calibration>& calibration) {
   Texts texts;
   if (calibration) texts.emplace_back("calibration.yml", calibration_texts(*calibration, CalibrationFormat::opencv)[0].content);
-  std::ostringstream printed;
-  print_config(printed, config);
-  texts.emplace_back("vdisp.cfg", printed.str());
+  texts.emplace_back("vdisp.cfg", std::move(config));
   return texts;
 }
 
@@ -66,16 +65,18 @@ Texts texts_of(const Config& config, const std::optional<Calibration>& calibrati
 void Recorder::add_report(Driver& driver) { driver.add("recorder", std::make_unique<RecorderReport>(status_)); }
 
 void Recorder::start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration,
-                     uint64_t epoch) {
+                     uint64_t epoch, const std::function<std::string()>& config_text) {
   const ImageSpec camera = camera_spec(driver);
   if (!folder.empty()) {
     driver.need("truth/steering");
-    record_ = std::make_unique<RecordThread>(folder, describe(config, camera, epoch), texts_of(config, calibration), camera);
+    record_ = std::make_unique<RecordThread>(folder, describe(config, camera, epoch), texts_of(config_text(), calibration), camera,
+                                             [] { begin_in_background("recorder"); });
     folder_ = folder;
     status_.recording = 1;
   }
   if (config.recorder.seconds > 0) {
-    flight_ = std::make_unique<FlightRecorder>(config, camera, describe(config, camera, epoch), texts_of(config, calibration));
+    flight_ = std::make_unique<FlightRecorder>(config, camera, describe(config, camera, epoch),
+                                               [calibration, config_text] { return texts_of(config_text(), calibration); });
     flight_->tell(status_);
   }
 }

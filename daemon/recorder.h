@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,8 +22,9 @@ class Recorder {
   void add_report(Driver& driver);
   /// When the tree is built. `folder`: of --record, empty: none; it makes the simulator's labels as well, where there are some.
   /// Throws WriteError.
-  void start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration,
-             uint64_t epoch);
+  /// `config_text`: vdisp.cfg as it is understood when it is called, by another thread.
+  void start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration, uint64_t epoch,
+             const std::function<std::string()>& config_text);
   void see(const Topic& topic, const Image& image) noexcept;
   /// After each step. Throws WriteError where --record cannot go on.
   void finish_step();

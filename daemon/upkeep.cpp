@@ -3,6 +3,7 @@
 #include "daemon/upkeep.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "daemon/log/log.h"
@@ -19,7 +20,7 @@ void Upkeep::begin(const ConfigOrigin& origin, const std::string& record, uint64
                    [](std::string_view line, bool fault) { fault ? log::warn("{}", line) : log::info("{}", line); });
   report_.emplace(config_, source_, inputs_, *control_);
   driver_.set_reporter([this](Health& health, const Catalogue& catalogue) { (*report_)(health, catalogue); });
-  recorder_.start(record, driver_, config_, source_.calibration(), epoch);
+  recorder_.start(record, driver_, config_, source_.calibration(), epoch, [this] { return control_->config_text(); });
   service_.emplace(config_, std::move(attachable));
 }
 
@@ -46,11 +47,16 @@ void Upkeep::stepped(Outcome outcome) {
   recorder_.finish_step();
 }
 
-void Upkeep::stopping() { service_->stopping(); }
-
-void Upkeep::end() {
+void Upkeep::finish() {
+  std::exception_ptr failure;
+  try {
+    recorder_.finish();
+  } catch (const WriteError&) {
+    failure = std::current_exception();
+  }
   report_.reset();
   control_.reset();
+  if (failure) std::rethrow_exception(failure);
 }
 
 int64_t Upkeep::period_ns() const { return std::max<int64_t>(source_.period_ns(), config_.main.period * 1'000'000LL); }

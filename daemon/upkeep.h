@@ -29,12 +29,10 @@ class Upkeep {
   void see(const Topic& topic, const Image& image) noexcept;
   /// After each step. Throws WriteError where --record cannot go on.
   void stepped(Outcome outcome);
-  /// Writes what recordings still hold. Throws WriteError.
-  void finish() { recorder_.finish(); }
   /// systemd hears that the daemon ends.
-  void stopping();
-  /// Ends threads and closes sockets.
-  void end();
+  void stopping() { service_->stopping(); }
+  /// Writes what recordings still hold; ends threads, closes sockets. Throws WriteError.
+  void finish();
 
   /// From one step to the next, at least.
   int64_t period_ns() const;

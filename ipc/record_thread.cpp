@@ -8,11 +8,15 @@ constexpr size_t ring = 16;
 }
 
 RecordThread::RecordThread(const std::filesystem::path& folder, const RecordingInfo& info,
-                           const std::vector<std::pair<std::string, std::string>>& texts, const ImageSpec& camera)
+                           const std::vector<std::pair<std::string, std::string>>& texts, const ImageSpec& camera,
+                           std::function<void()> begin)
     : taker_(camera), writer_(folder, info, texts) {
   for (size_t i = 0; i < ring; ++i) steps_.emplace_back(camera);
   taker_.begin(steps_[0]);
-  thread_ = std::thread([this] { write(); });
+  thread_ = std::thread([this, begin = std::move(begin)] {
+    if (begin) begin();
+    write();
+  });
 }
 
 RecordThread::~RecordThread() { stop(); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -18,9 +19,9 @@ namespace vdisp {
 /// No step is lost: where the disk is slower than the loop, the loop waits for it.
 class RecordThread {
  public:
-  /// Throws WriteError.
+  /// `begin`: first call of the thread. Throws WriteError.
   RecordThread(const std::filesystem::path& folder, const RecordingInfo& info,
-               const std::vector<std::pair<std::string, std::string>>& texts, const ImageSpec& camera);
+               const std::vector<std::pair<std::string, std::string>>& texts, const ImageSpec& camera, std::function<void()> begin = {});
   ~RecordThread();
   RecordThread(const RecordThread&) = delete;
   RecordThread& operator=(const RecordThread&) = delete;

@@ -18,6 +18,8 @@ class CommandSocket {
   /// changed. No allocation, no wait.
   bool serve(uint64_t sequence) noexcept;
   uint64_t generation() const { return parameters_.generation(); }
+  /// LiveParameters::text().
+  std::string config_text() const { return parameters_.text(); }
   /// What of it counts as lost.
   void count(Health& health) const noexcept;
 

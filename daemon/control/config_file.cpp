@@ -8,9 +8,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
 #include "config/config.h"
 
@@ -18,6 +15,8 @@ namespace vdisp {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr size_t longest_file = 1 << 20;  // as config/read.cpp has it
 
 /// 0, or errno.
 int write_all(int file, const std::string& text) {
@@ -48,9 +47,19 @@ std::string wrong_with(const fs::path& file) {
 }  // namespace
 
 std::optional<std::string> read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) return std::nullopt;
+  const int opened = open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (opened < 0) return std::nullopt;
+  struct stat what {};
+  std::string text(longest_file + 1, 0);
+  size_t size = 0;
+  ssize_t more = fstat(opened, &what) == 0 && S_ISREG(what.st_mode) ? 1 : -1;
+  while (more > 0 && size < text.size()) {
+    more = read(opened, text.data() + size, text.size() - size);
+    if (more > 0) size += static_cast<size_t>(more);
+  }
+  close(opened);
+  if (more < 0 || size > longest_file) return std::nullopt;
+  text.resize(size);
   return text;
 }
 

@@ -8,7 +8,7 @@
 
 namespace vdisp {
 
-/// Nothing where it cannot be read.
+/// Of a regular file of at most 1 MiB; of all else, and where it cannot be read, nothing. Never waits for a pipe.
 std::optional<std::string> read_text(const std::filesystem::path& file);
 
 /// Writes `text` beside the file, reads it back as the daemon would, and puts it in the file's place; `expected` is what the file is

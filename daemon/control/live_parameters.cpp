@@ -3,11 +3,13 @@
 #include "daemon/control/live_parameters.h"
 
 #include <chrono>
+#include <sstream>
 #include <string_view>
 
 #include "config/change.h"
 #include "daemon/control/config_file.h"
 #include "daemon/control/reply_text.h"
+#include "daemon/core/background.h"
 
 namespace vdisp {
 namespace {
@@ -29,6 +31,7 @@ LiveParameters::LiveParameters(Config& config, ConfigOrigin origin, Tell tell)
       watch_(origin_.file, origin_.watched) {
   if (!origin_.file.empty()) file_text_ = seen_text_ = read_text(origin_.file).value_or("");
   if (!watch_.trouble().empty()) tell_(watch_.trouble(), true);
+  write_text();
   thread_ = std::thread([this] { think(); });
 }
 
@@ -59,18 +62,39 @@ bool LiveParameters::next(Reply& reply) noexcept {
 }
 
 void LiveParameters::think() {
-  const std::string file = origin_.file.string();
+  begin_in_background("parameters");
   while (true) {
     const ConfigWatch::Event event = watch_.wait(slide_.row ? slide_ms : longest_wait_ms);
     if (ending_) break;
-    switch (event) {
-      case ConfigWatch::Event::nothing: tell_slide(); break;
-      case ConfigWatch::Event::asked: answer_all(); break;
-      case ConfigWatch::Event::hangup: reload(Precedence::file, "SIGHUP" + sent_by(watch_.pid(), watch_.uid())); break;
-      case ConfigWatch::Event::changed: reload(Precedence::hand, "the file was changed"); break;
+    try {
+      hear(event);
+    } catch (const std::exception& error) {  // no memory: the next time, perhaps
+      tell_(std::string("parameters: ") + error.what(), true);
     }
   }
   tell_slide();
+}
+
+std::string LiveParameters::text() const {
+  const std::lock_guard lock(text_mutex_);
+  return text_;
+}
+
+void LiveParameters::write_text() {
+  std::ostringstream printed;
+  print_config(printed, config_);
+  const std::lock_guard lock(text_mutex_);
+  text_ = printed.str();
+}
+
+void LiveParameters::hear(ConfigWatch::Event event) {
+  switch (event) {
+    case ConfigWatch::Event::nothing: return tell_slide();
+    case ConfigWatch::Event::asked: answer_all(); break;
+    case ConfigWatch::Event::hangup: reload(Precedence::file, "SIGHUP" + sent_by(watch_.pid(), watch_.uid())); break;
+    case ConfigWatch::Event::changed: reload(Precedence::hand, "the file was changed"); break;
+  }
+  write_text();
 }
 
 /// The loop takes results faster than it asks: a place becomes free. Sleeping is as good as anything. Null: the daemon ends.

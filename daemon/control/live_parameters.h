@@ -2,38 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/types.h>
-
 #include <atomic>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "config/parameters.h"
+#include "daemon/control/config_origin.h"
 #include "daemon/control/config_watch.h"
 #include "daemon/control/reload.h"
 #include "daemon/control/ring.h"
 #include "ipc/command.h"
 
 namespace vdisp {
-
-/// Where the configuration came from.
-struct ConfigOrigin {
-  std::filesystem::path file;        ///< what save writes to, and what is read again; empty: there is none
-  std::vector<std::string> options;  ///< SECTION.KEY=VALUE of the command line: they go before the file, then too
-  bool watched = false;              ///< a changed file is read again; SIGHUP has it read again always
-};
-
-/// Who asks.
-struct Sender {
-  uint64_t connection = 0;  ///< number of the connection; 0: nobody waits for the answer
-  pid_t pid = 0;
-  uid_t uid = 0;
-};
 
 /// The loop asks and, between two frames, swaps checked values into the configuration that the stages read: it parses nothing, and
 /// touches no file. The thread has a copy of its own, in which it checks what is asked: it is the only one that changes anything.
@@ -62,6 +47,8 @@ class LiveParameters {
   /// How many times the file was read again and taken, and not taken for its faults.
   uint64_t reloads() const { return reloads_; }
   uint64_t reloads_refused() const { return reloads_refused_; }
+  /// vdisp.cfg as it is understood now. Any thread but the loop: it may wait for another one.
+  std::string text() const;
 
  private:
   struct Request {
@@ -87,6 +74,7 @@ class LiveParameters {
   };
 
   void think();
+  void hear(ConfigWatch::Event event);
   Result* free_result();
   void answer_all();
   void answer(const Request& request, Result& result);
@@ -102,6 +90,7 @@ class LiveParameters {
   void reload(Precedence precedence, const std::string& origin);
   void tell_change(const Parameter& row, const std::string& before, const std::string& origin);
   void tell_slide();
+  void write_text();
 
   // The loop's.
   Config& in_use_;
@@ -119,6 +108,8 @@ class LiveParameters {
   Ring<Request> requests_;
   Ring<Result> results_;
   ConfigWatch watch_;
+  mutable std::mutex text_mutex_;
+  std::string text_;
   std::atomic<uint64_t> reloads_{0}, reloads_refused_{0};
   std::atomic<bool> ending_{false};
   std::thread thread_;

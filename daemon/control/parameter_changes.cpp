@@ -122,8 +122,15 @@ void LiveParameters::save(const Sender& sender, Result& result) {
 /// The file as it is now, with the options of the command line. What is wrong with it is told, and is the complaint: nothing was changed.
 std::string LiveParameters::read_again(Precedence precedence, const std::string& origin, Result& result) {
   const std::string file = origin_.file.string();
-  const auto text = read_text(origin_.file);
-  seen_text_ = text.value_or("");
+  seen_text_ = read_text(origin_.file).value_or("");
+  if (const auto kind = std::filesystem::status(origin_.file).type(); kind == std::filesystem::file_type::fifo ||
+                                                                      kind == std::filesystem::file_type::character ||
+                                                                      kind == std::filesystem::file_type::socket) {
+    ++reloads_refused_;
+    const std::string fault = file + " is no regular file, and would be waited for: nothing was changed";
+    tell_(fault + " (" + origin + ")", true);
+    return fault;
+  }
   Config now;
   const ConfigReading reading = read_config(origin_.file, origin_.options, now);
   for (const auto* lines : {&reading.complaints, &reading.notes}) {

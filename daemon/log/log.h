@@ -16,7 +16,7 @@ void start(int level, const std::string& program = "vdispd");
 void set_level(int level);
 /// Lines given up since the start while the ring was full.
 uint64_t lines_lost();
-/// Writes what is waiting and ends the thread. Before start() and after this nothing is logged.
+/// Writes what is waiting and ends the thread. When all that logs has ended: after this there is no logger.
 void stop();
 
 using spdlog::debug;

@@ -36,20 +36,22 @@ std::string stamped(FlightCause cause) {
   return std::string(begins) + text + std::string(3 - ms.size(), '0') + ms + "-" + std::string(name(cause));
 }
 
-}  // namespace
-
-fs::path make_flight_folder(const FlightRoom& room, FlightCause cause, uint64_t needed) {
+/// Oldest first.
+std::vector<fs::path> ours(const FlightRoom& room) {
   std::error_code error;
-  fs::create_directories(room.folder, error);
-  if (error) throw write_error("cannot create", room.folder, error.value());
   std::vector<fs::path> there;
   for (fs::directory_iterator i(room.folder, error), end; !error && i != end; i.increment(error))
     if (is_ours(i->path().filename().string())) there.push_back(i->path());
   std::sort(there.begin(), there.end());
-  while (!there.empty() && there.size() >= static_cast<size_t>(room.keep)) {
-    fs::remove_all(there.front(), error);
-    there.erase(there.begin());
-  }
+  return there;
+}
+
+}  // namespace
+
+fs::path find_flight_folder(const FlightRoom& room, FlightCause cause, uint64_t needed) {
+  std::error_code error;
+  fs::create_directories(room.folder, error);
+  if (error) throw write_error("cannot create", room.folder, error.value());
   struct statvfs disk {};
   if (statvfs(room.folder.c_str(), &disk) == 0) {
     const uint64_t free = static_cast<uint64_t>(disk.f_bavail) * disk.f_frsize;
@@ -62,6 +64,18 @@ fs::path make_flight_folder(const FlightRoom& room, FlightCause cause, uint64_t 
   fs::path path = room.folder / wanted;
   for (int again = 2; fs::exists(path, error); ++again) path = room.folder / (wanted + "-" + std::to_string(again));
   return path;
+}
+
+void drop_oldest(const FlightRoom& room, const fs::path& whole) {
+  std::error_code error;
+  std::vector<fs::path> others = ours(room);
+  std::erase(others, whole);  // by its name it may be the oldest: the wall clock is set now and then
+  for (size_t i = 0; i + static_cast<size_t>(room.keep) < others.size() + 1; ++i) fs::remove_all(others[i], error);
+}
+
+void drop_broken(const FlightRoom& room, const fs::path& folder) {
+  std::error_code error;
+  if (ours(room).size() > static_cast<size_t>(room.keep)) fs::remove_all(folder, error);
 }
 
 }  // namespace vdisp

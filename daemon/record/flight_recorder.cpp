@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "daemon/core/background.h"
+#include "daemon/core/clock.h"
 #include "daemon/log/log.h"
 
 namespace vdisp {
 namespace {
 
+constexpr int64_t patience_ns = 5'000'000'000;
 constexpr int lasting = 3;  // steps: a single bad pair is no lost camera
 constexpr size_t fewest = 4;
 
@@ -19,8 +22,7 @@ bool begins_with(const char* label, std::string_view word) { return std::string_
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const Config& config, const ImageSpec& camera, RecordingInfo info,
-                               std::vector<std::pair<std::string, std::string>> texts)
+FlightRecorder::FlightRecorder(const Config& config, const ImageSpec& camera, RecordingInfo info, Texts texts)
     : config_(config), camera_(camera), info_(std::move(info)), texts_(std::move(texts)), taker_(camera) {
   const uint64_t bytes = static_cast<uint64_t>(config.recorder.memory) << 20, each = bytes_of(camera) + sizeof(TakenStep);
   const size_t count = std::max<size_t>(bytes / each, fewest);
@@ -35,9 +37,10 @@ FlightRecorder::FlightRecorder(const Config& config, const ImageSpec& camera, Re
 }
 
 FlightRecorder::~FlightRecorder() {
-  ending_ = true;
+  ending_ns_ = monotonic_ns();
   given_.release();
   thread_.join();
+  if (asked_ != FlightCause::none) log::warn("flight recorder: the daemon ends: no folder is written for {}", describe(asked_));
 }
 
 bool FlightRecorder::lost(Watched& subject, bool there) noexcept {
@@ -123,11 +126,12 @@ void FlightRecorder::tell(RecorderStatus& status) const noexcept {
 }
 
 void FlightRecorder::run() noexcept {
+  begin_in_background("flight");
   room_.folder = config_.recorder.folder;  // no live key
   while (true) {
     given_.acquire();
     if (!busy_.load(std::memory_order_acquire)) {
-      if (ending_) return;
+      if (ending_ns_) return;
       continue;
     }
     failed_ = true;
@@ -140,14 +144,27 @@ void FlightRecorder::run() noexcept {
     }
     needed_from_.store(nothing, std::memory_order_release);
     busy_.store(false, std::memory_order_release);
-    if (ending_) return;
+    if (ending_ns_) return;
   }
 }
 
 void FlightRecorder::write() {
-  const std::filesystem::path folder = make_flight_folder(room_, cause_, (end_ - first_) * bytes_of(camera_));
-  RecordingWriter writer(folder, info_, texts_);
+  const std::filesystem::path folder = find_flight_folder(room_, cause_, (end_ - first_) * bytes_of(camera_));
+  try {
+    write_to(folder);
+  } catch (...) {
+    drop_broken(room_, folder);
+    throw;
+  }
+  drop_oldest(room_, folder);
+}
+
+void FlightRecorder::write_to(const std::filesystem::path& folder) {
+  RecordingWriter writer(folder, info_, texts_());
   for (uint64_t number = first_; number < end_; ++number) {
+    if (const int64_t since = ending_ns_; since && monotonic_ns() - since > patience_ns)
+      throw WriteError(75, folder.string() + ": given up after " + std::to_string(number - first_) + " of " +
+                               std::to_string(end_ - first_) + " steps: the daemon ends, and the disk is slow");
     const TakenStep& taken = ring_[number % ring_.size()];
     writer.add(taken.step, taken.step.has_pair() ? &taken.views : nullptr);
     needed_from_.store(number + 1, std::memory_order_release);

@@ -21,9 +21,11 @@ namespace vdisp {
 /// whose place is still to be written is not kept, and counted.
 class FlightRecorder {
  public:
-  /// `texts`: files for each folder. [recorder] memory bounds the ring.
-  FlightRecorder(const Config& config, const ImageSpec& camera, RecordingInfo info, std::vector<std::pair<std::string, std::string>> texts);
-  /// Waits for the folder that is being written.
+  /// Files for each folder: name and content, as of when it is written. Called by the thread.
+  using Texts = std::function<std::vector<std::pair<std::string, std::string>>()>;
+  /// [recorder] memory bounds the ring.
+  FlightRecorder(const Config& config, const ImageSpec& camera, RecordingInfo info, Texts texts);
+  /// Waits for the folder that is being written, but not for a slow disk: a folder is given up after 5 s.
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
@@ -49,11 +51,12 @@ class FlightRecorder {
   void start_writing(int64_t now_ns) noexcept;
   void run() noexcept;
   void write();
+  void write_to(const std::filesystem::path& folder);
 
   const Config& config_;
   const ImageSpec camera_;
   const RecordingInfo info_;
-  const std::vector<std::pair<std::string, std::string>> texts_;
+  const Texts texts_;
   std::vector<TakenStep> ring_;
   std::vector<int64_t> taken_ns_;  // of each step in the ring
   StepTaker taker_;
@@ -74,7 +77,7 @@ class FlightRecorder {
   FlightCause cause_ = FlightCause::none;
   std::string result_;
   bool failed_ = false;
-  std::atomic<bool> ending_{false};
+  std::atomic<int64_t> ending_ns_{0};  // 0: not ending
   std::counting_semaphore<> given_{0};
   std::thread thread_;
 };

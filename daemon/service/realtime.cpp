@@ -78,9 +78,4 @@ void lock_memory(const main_section& main) {
                                      limit_of(RLIMIT_MEMLOCK, 1024) + " (LimitMEMLOCK in its unit, ulimit -l), or set lockMemory = no");
 }
 
-void leave_realtime() noexcept {
-  const sched_param none{};
-  sched_setscheduler(0, SCHED_OTHER, &none);
-}
-
 }  // namespace vdisp

@@ -20,7 +20,5 @@ class RealtimeError : public std::runtime_error {
 void take_processors(const main_section& main);
 /// `lockMemory`, for what is mapped by now: call it when the tree is built. Throws RealtimeError.
 void lock_memory(const main_section& main);
-/// Leaves real time: for threads beside the loop. Always permitted.
-void leave_realtime() noexcept;
 
 }  // namespace vdisp

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/service/service.h"
 
-#include <pthread.h>
 #include <systemd/sd-daemon.h>
 
 #include <algorithm>
@@ -11,9 +10,9 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "daemon/core/background.h"
 #include "daemon/core/clock.h"
 #include "daemon/log/log.h"
-#include "daemon/service/realtime.h"
 
 namespace vdisp {
 namespace {
@@ -31,7 +30,7 @@ Service::Service(const Config& config, std::function<bool()> attachable)
   if (uint64_t watchdog_us = 0; sd_watchdog_enabled(0, &watchdog_us) > 0) watchdog_ns_ = static_cast<int64_t>(watchdog_us) * 1000;
   stretched_ns_ = watchdog_ns_;
   begin_ns_ = monotonic_ns();
-  facts_.floors = config.main.detectors == "vdisparity";
+  facts_.floors = config.detects("vdisparity");
   thread_ = std::thread([this] { work(); });
 }
 
@@ -101,8 +100,7 @@ void Service::end() {
 }
 
 void Service::work() {
-  pthread_setname_np(pthread_self(), "service");
-  leave_realtime();
+  begin_in_background("service");
   Facts before, now;
   int64_t told_ns = begin_ns_;
   for (;;) {

@@ -99,11 +99,27 @@ class Reload(ProgramTest):
             self.wait_for(f"minCount: {count - 1} -> {count}")
             self.assertEqual(self.value("Map.minCount"), str(count))
         self.assertIn("the file was changed", self.daemon.text())
+        self.assertTrue(wait_until(lambda: self.health()["reloads"] >= 5, 5))  # told once a second
         before = self.health()["reloads"]
         os.utime(self.config)
         (self.folder / "vdisp.cfg.swp").write_text("x")
         time.sleep(1.5)
         self.assertEqual(self.health()["reloads"], before, "touched, or another file: nothing is read")
+
+    def test_what_is_no_file_any_more_is_a_fault_and_the_daemon_still_answers(self):
+        self.start()
+        self.config.unlink()
+        os.mkfifo(self.config)
+        self.hang_up()
+        self.wait_for("is no regular file, and would be waited for: nothing was changed")
+        self.config.unlink()
+        self.config.mkdir()
+        self.hang_up()
+        self.wait_for("Is a directory")
+        self.assertEqual(self.value("Map.minCount"), "5")
+        self.config.rmdir()
+        self.config.write_text(BEGIN.replace("= 5", "= 8"))
+        self.wait_for("minCount: 5 -> 8")
 
     def test_a_file_with_any_fault_changes_nothing_and_every_fault_is_said_with_its_line(self):
         self.start()

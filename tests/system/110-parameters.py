@@ -161,6 +161,11 @@ class Parameters(DriveProofs, ProgramTest):
             self.assertGreaterEqual(threads.count((policy, 10)), 2, threads)  # the loop and its second band
         everything, _ = self.scheduled("main.scheduling=fifo", "main.debug=1")
         self.assertIn(os.SCHED_OTHER, [policy for policy, _, _ in everything.values()])  # the log
+        # What works beside the loop would keep it waiting, were it of its priority.
+        everything, _ = self.scheduled("main.scheduling=fifo", "main.debug=1", f"main.metrics={self.folder}/m.prom", "recorder.seconds=1", f"recorder.folder={self.folder}/flight")
+        for name in ("metrics", "flight", "parameters"):
+            found = [policy for thread, (policy, _, _) in everything.items() if thread.startswith(name)]
+            self.assertEqual(found, [os.SCHED_OTHER], (name, everything))
         self.assert_refused(self.refused_to_nobody("main.scheduling=fifo"), 77, "[main] scheduling = fifo", "LimitRTPRIO")
 
     def test_main_priority(self):

@@ -7,6 +7,7 @@ SPDX-License-Identifier: Apache-2.0
 import json
 import os
 import re
+import shutil
 import socket
 import struct
 import subprocess
@@ -188,6 +189,15 @@ class Metrics(Daemon):
         daemon.process.terminate()
         self.assertEqual(daemon.process.wait(10), 0)
         self.assertIn('vdisp_up{name="IPLObstacleDetection"} 0', file.read_text())
+
+    def test_a_place_that_is_gone_when_the_daemon_ends_is_said_and_it_ends_well(self):
+        place = self.folder / "gone"
+        place.mkdir()
+        daemon = self.start("--set", f"main.metrics={place}/vdisp.prom")
+        shutil.rmtree(place)
+        daemon.process.terminate()
+        self.assertEqual(daemon.process.wait(20), 0, daemon.text())
+        self.assertIn("metrics: ", daemon.text())
 
     def test_a_disk_that_fills_is_said_once_and_costs_no_frame(self):
         disk = self.folder / "disk"

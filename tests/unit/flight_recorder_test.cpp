@@ -40,8 +40,9 @@ struct FlightRecorderTest : testing::Test {
   std::unique_ptr<FlightRecorder> recorder() {
     RecordingInfo info;
     info.width = camera.width, info.height = camera.height;
-    return std::make_unique<FlightRecorder>(config, camera, info,
-                                            std::vector<std::pair<std::string, std::string>>{{"vdisp.cfg", "[main]\n"}});
+    return std::make_unique<FlightRecorder>(config, camera, info, [] {
+      return std::vector<std::pair<std::string, std::string>>{{"vdisp.cfg", "[main]\n"}};
+    });
   }
   void step(FlightRecorder& recorder, bool there = true, bool floor_there = true, const char* label = nullptr) {
     const int64_t now = static_cast<int64_t>(sequence) * period;
@@ -169,6 +170,34 @@ TEST_F(FlightRecorderTest, a_folder_that_cannot_be_made_is_told_and_it_goes_on) 
   flight->ask(FlightCause::signal);
   step(*flight);
   EXPECT_EQ(until_written(*flight, 2).written, 1u);
+}
+
+TEST_F(FlightRecorderTest, nothing_old_is_deleted_for_a_folder_that_cannot_be_written) {
+  config.recorder.keep = 1;
+  const auto flight = recorder();
+  flight->ask(FlightCause::asked);
+  step(*flight);
+  const std::string old = until_written(*flight, 1).text;
+  config.recorder.free = 1 << 30;  // MiB
+  flight->ask(FlightCause::asked);
+  step(*flight);
+  EXPECT_EQ(until_written(*flight, 2).failed, 1u);
+  EXPECT_TRUE(fs::exists(old));
+}
+
+TEST(FlightFolders, the_new_one_stays_even_where_the_clock_went_back_and_a_broken_one_only_where_there_is_a_place) {
+  const TemporaryFolder place;
+  const FlightRoom room{place.path(), 2, 0};
+  const auto make = [&](const char* name) { return fs::create_directory(place / name), place / name; };
+  const auto first = make("flight-20260101-000000-000-bump"), second = make("flight-20260102-000000-000-bump"),
+             broken = make("flight-20260103-000000-000-bump");
+  drop_broken(room, broken);
+  EXPECT_FALSE(fs::exists(broken));
+  EXPECT_TRUE(fs::exists(first) && fs::exists(second));
+  const auto whole = make("flight-20200101-000000-000-bump");
+  drop_oldest(room, whole);
+  EXPECT_TRUE(fs::exists(whole) && fs::exists(second));
+  EXPECT_FALSE(fs::exists(first));
 }
 
 TEST_F(FlightRecorderTest, only_so_many_folders_are_kept) {
