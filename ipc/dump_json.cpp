@@ -67,6 +67,7 @@ ordered_json floor_json(const Image& image) {
   json["gravity_roll_rad"] = number(floor ? floor->gravity_roll_rad : none);
   json["imu"] = name(floor ? floor->imu : ImuUse::none);
   json["gravity_differs"] = floor && floor->gravity_differs != 0;
+  json["profile_seen"] = floor ? floor->profile_seen : 0;
   json["profile"] = ordered_json::array();
   for (uint32_t i = 0; floor && i < std::min(floor->profile_count, FloorModel::profile_capacity); ++i) {
     json["profile"].push_back(

@@ -277,7 +277,7 @@ std::string_view describe(CellReason why) {
     case CellReason::no_texture: return "its pixels have too little texture";
     case CellReason::not_unique: return "its pixels match at more than one disparity";
     case CellReason::left_right: return "its matches in the right view point elsewhere";
-    case CellReason::speckle: return "its disparities are parts of too small areas";
+    case CellReason::speckle: return "its disparities are parts of too small areas, or it is a small patch of floor by itself";
     case CellReason::rejected: return "its pixels were refused otherwise";
     case CellReason::remembered_floor: return "floor was seen there, and nothing since";
     case CellReason::remembered_obstacle: return "something stood there, and no ray has passed since";

@@ -56,6 +56,7 @@ std::vector<ImageSpec> Disparity::check(std::span<const ImageSpec> in) {
     throw FormatError("the images have " + std::to_string(left.height) + " rows, the window corrsize needs more than " +
                       std::to_string(p.corrsize));
   const ImageSpec out{Pixel::disparity16, 0, left.width, left.height};
+  expectation_.prepare(out);
   if (block_) block_->prepare(out);
   if (semi_global_) semi_global_->prepare(out);
   if (opencv_) opencv_->prepare(out);
@@ -86,9 +87,11 @@ void Disparity::match_blocks(const Image& left, const Image& right, const FloorM
   std::optional<ExpectedFloor> floor;
   if (align) floor = expectation_.expect(out, last);
   block_->match(left, right, floor ? &*floor : nullptr, out);
-  if (!align || floor) return;
-  // Nothing is known of the floor: what this first look shows of it serves a second one.
-  floor = expectation_.expect(out, provisional_.find(out));
+  if (!align || (floor && !expectation_.doubtful(out))) return;
+  // Nothing is known of the floor but how the camera is mounted, if that: what this first look shows of it serves a second one.
+  const FloorModel* seen = provisional_.find(out, left);
+  if (!seen) return;
+  floor = expectation_.expect(out, seen);
   if (floor) block_->match(left, right, &*floor, out);
 }
 

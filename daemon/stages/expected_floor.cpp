@@ -5,12 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/stages/local_floor.h"
 #include "daemon/stages/projection.h"
 
 namespace vdisp {
 namespace {
 
-constexpr uint64_t held_frames = 30;  // a floor not seen for longer is not expected any more
+constexpr double height_of_ramp = 0.35;  // of that of the camera: so much nearer or farther a ramp may be
+constexpr double slope_over = 0.5;       // m: of the ground last seen
+constexpr float hidden = -1e4f;          // px: no floor there
+constexpr uint64_t held_frames = 30;     // a floor not seen for longer is not expected any more
 
 }  // namespace
 
@@ -21,21 +25,81 @@ kernels::RowDisparity ExpectedFloor::row(int row) const {
 
 int ExpectedFloor::first_row(int width) const {
   const double left = tilt * cx, right = -tilt * (width - 1 - cx);
+  if (!bent.empty()) {
+    const double least = std::min({left, right, 0.0});
+    return static_cast<int>(std::find_if(bent.begin(), bent.end(), [&](float d) { return d > 0 && d >= least; }) - bent.begin());
+  }
   return static_cast<int>(std::clamp(std::ceil(row0 + std::min({left, right, 0.0}) / slope), 0.0, 32767.0));
 }
 
 std::optional<ExpectedFloor> FloorExpectation::expect(const Image& view, const FloorModel* last) noexcept {
   const std::optional<ExpectedFloor> mounted = from_mounting(view);
-  if (last && last->state != FloorState::lost && last->a > 0 && !(mounted && last->mounting_differs)) {
+  if (last && last->state != FloorState::lost && last->a > 0 && !(mounted && contradicts(*last))) {
     const double slope = 1 / (16 * last->a), roll = std::isnan(last->roll_rad) ? config_.mounting.roll : last->roll_rad;
     last_found_ = ExpectedFloor{slope, last->b, slope * std::tan(roll), static_cast<double>(view.camera.cx),
                                 static_cast<double>(view.camera.cx_offset)};
+    if (last->profile_count > 1) bend(view, *last, *last_found_);
     last_sequence_ = view.sequence;
     return last_found_;
   }
   if (mounted) return mounted;
   if (last_found_ && view.sequence - last_sequence_ <= held_frames) return last_found_;
   return std::nullopt;
+}
+
+bool FloorExpectation::doubtful(const Image& view) noexcept {
+  if (last_found_ && last_sequence_ == view.sequence) return false;
+  if (doubted_ && view.sequence - *doubted_ < held_frames && from_mounting(view)) return false;
+  doubted_ = view.sequence;
+  return true;
+}
+
+/// A rover that comes to a ramp sees little else, and the ramp is its floor: as steep as [Floor] maxSlope, and about as far below. The
+/// paper's line has no such sense: what it takes for the floor may be a wall.
+bool FloorExpectation::contradicts(const FloorModel& last) const noexcept {
+  if (!last.mounting_differs) return false;
+  if (last.model == FloorKind::line) return true;
+  const double height = config_.mounting.height;
+  return std::abs(last.pitch_rad - config_.expected_pitch()) > config_.floor.maxSlope ||
+         std::abs(last.height_m - height) > height_of_ramp * height;
+}
+
+/// From row to row upwards, along the profile; where what lies ahead is hidden by a crest, on to what is seen behind it. Beyond what was
+/// seen the ground is expected to rise or fall on as it did: where it does not, nothing will match so.
+void FloorExpectation::bend(const Image& view, const FloorModel& last, ExpectedFloor& floor) noexcept {
+  struct Knot {
+    double row, disparity;
+  };
+  const StereoView stereo = stereo_view(view);
+  const LocalFloor local(last, stereo);
+  const auto see = [&](double ahead, double elevation) {
+    const Point p = camera({0, last.height_m - elevation, ahead}, last.pitch_rad);
+    const double z = std::max(p.z, 0.01);
+    return Knot{stereo.cy + stereo.f * p.y / z, stereo.f * stereo.baseline / z};
+  };
+  int row = static_cast<int>(bent_.size()) - 1;
+  const auto fill = [&](const Knot& near, const Knot& far, int first) {
+    for (; row >= first && far.row < near.row; --row)
+      bent_[static_cast<size_t>(row)] =
+          static_cast<float>(near.disparity + (row - near.row) * (far.disparity - near.disparity) / (far.row - near.row));
+  };
+  const double start = static_cast<double>(last.profile_start_m), step = static_cast<double>(last.profile_step_m);
+  const double begin = local.elevation(start);
+  Knot before = see(start, begin);
+  fill(before, see(start + step, begin), static_cast<int>(std::ceil(before.row)));
+  const int seen = static_cast<int>(std::min({last.profile_seen, last.profile_count, FloorModel::profile_capacity}));
+  double ahead = start;
+  for (int i = 1; i < seen; ++i) {
+    ahead = start + i * step;
+    const Knot next = see(ahead, local.elevation(ahead));
+    fill(before, next, static_cast<int>(std::ceil(next.row)));
+    before = next;
+  }
+  const double run = std::min(slope_over, ahead - start), end = local.elevation(ahead);
+  const double slope = run > 0 ? (end - local.elevation(ahead - run)) / run : 0;
+  fill(before, see(ahead + step, end + slope * step), 0);
+  for (; row >= 0; --row) bent_[static_cast<size_t>(row)] = hidden;
+  floor.bent = bent_;
 }
 
 std::optional<ExpectedFloor> FloorExpectation::from_mounting(const Image& view) const noexcept {

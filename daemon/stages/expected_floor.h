@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "config/config.h"
 #include "daemon/kernels/shear.h"
@@ -11,34 +13,48 @@
 
 namespace vdisp {
 
-/// The floor as a plane of disparities: d = slope (v - row0) + tilt (u - cx) + cx_offset, px.
+/// The floor as a plane of disparities: d = slope (v - row0) + tilt (u - cx) + cx_offset, px; or, with `bent`, as rows of their own: on a
+/// ramp the ground recedes from row to row by less than on the plane before it.
 struct ExpectedFloor {
   double slope = 0, row0 = 0, tilt = 0, cx = 0, cx_offset = 0;
+  std::span<const float> bent = {};  ///< true disparity by row, at the centre column; below 0: no floor is expected there
 
   /// True disparity d' at the centre column, 0 at the horizon.
-  double at_row(int row) const { return slope * (row - row0); }
+  double at_row(int row) const { return bent.empty() ? slope * (row - row0) : static_cast<double>(bent[static_cast<size_t>(row)]); }
   kernels::RowDisparity row(int row) const;
   /// First row of an image `width` wide in which some of the floor lies below its horizon.
   int first_row(int width) const;
 };
 
-/// From the floor of the last frame, while it agrees with [mounting] as far as that is given; else from [mounting]; else, for a while, from
-/// the last floor found.
+/// From the floor of the last frame, while it agrees with [mounting] as far as that is given, or may be a ramp; else from [mounting]; else,
+/// for a while, from the last floor found.
 class FloorExpectation {
  public:
   explicit FloorExpectation(const Config& config) : config_(config) {}
+  /// Reserves memory for images of this size.
+  void prepare(const ImageSpec& spec) { bent_.assign(spec.height, 0.0f); }
   /// `view` has the geometry of this frame and its sequence; `last` is the floor model of the last one, or null.
   std::optional<ExpectedFloor> expect(const Image& view, const FloorModel* last) noexcept;
 
+  /// Whether what expect() gave last may be far off: no floor was found. While there are none, with [mounting], once in 30 frames.
+  bool doubtful(const Image& view) noexcept;
+
   /// As before the first frame.
-  void forget() noexcept { last_found_.reset(); }
+  void forget() noexcept {
+    last_found_.reset();
+    doubted_.reset();
+  }
 
  private:
   std::optional<ExpectedFloor> from_mounting(const Image& view) const noexcept;
+  bool contradicts(const FloorModel& last) const noexcept;
+  void bend(const Image& view, const FloorModel& last, ExpectedFloor& floor) noexcept;
 
   const Config& config_;
+  std::vector<float> bent_;
   std::optional<ExpectedFloor> last_found_;
   uint64_t last_sequence_ = 0;
+  std::optional<uint64_t> doubted_;  // sequence
 };
 
 }  // namespace vdisp

@@ -123,6 +123,7 @@ void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
   model.profile_count = static_cast<uint32_t>(scale.count);
   model.profile_start_m = static_cast<float>(scale.start);
   model.profile_step_m = static_cast<float>(scale.step);
+  model.profile_seen = 0;
   float exact[bins];
   for (int bin = 0; bin < scale.count; ++bin) {
     // The way may lie anywhere in a band of points: their mean, taken twice, is its middle.
@@ -140,6 +141,7 @@ void FloorProfile::write(const Scale& scale, FloorModel& model) const noexcept {
       if (count < least_shown) break;
       place = sum / count;
     }
+    if (count >= least_shown) model.profile_seen = static_cast<uint32_t>(bin + 1);
     exact[bin] = static_cast<float>((place - middle) * scale.level);
   }
   for (int bin = 0; bin < scale.count; ++bin) {

@@ -21,8 +21,8 @@ namespace vdisp {
 /// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
-/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in the next column too; what is none
-/// of this is unknown.
+/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in the next column too; a small
+/// patch of floor by itself is a false match, or the top of something behind a crest; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -59,12 +59,15 @@ class Occupancy final : public ImageProcessor {
   void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
+  void islands(Image& occupancy, Image& reason) noexcept;
 
   Machine& machine_;
   const Config& config_;
   kernels::GroundScratch scratch_;
   std::vector<int16_t> all_limit_, obstacles_, overhangs_;  // limit that everything is above; counts by cell
   std::vector<Beyond> beyond_;
+  std::vector<int> island_;  // cells of one patch of floor
+  std::vector<uint8_t> known_;
   int rows_ = 0, columns_ = 0;
 };
 

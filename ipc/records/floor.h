@@ -25,7 +25,7 @@ enum class ImuUse : uint32_t {
 /// CameraGeometry::cx_offset). The line knows no tilt. A profile stands on its plane: the local floor is higher than it by profile_m.
 struct FloorModel {
   static constexpr RecordType type = RecordType::floor_model;
-  static constexpr uint16_t version = 3;
+  static constexpr uint16_t version = 4;
   static constexpr uint32_t profile_capacity = 64;
   RecordHeader header;
   FloorState state;
@@ -48,10 +48,12 @@ struct FloorModel {
   double gravity_pitch_rad, gravity_roll_rad;  ///< of the camera against the vertical, by the IMU, filtered likewise; NaN: not known
   ImuUse imu;
   uint32_t
-      gravity_differs;  ///< 1: filtered, they are not those over the floor, by more than [mounting] pitchTolerance: a slope, or a fault
+      gravity_differs;    ///< 1: filtered, they are not those over the floor, by more than [mounting] pitchTolerance: a slope, or a fault
+  uint32_t profile_seen;  ///< elements of profile_m up to the last that shows floor; beyond it the floor is taken to go on level
+  uint32_t reserved;      ///< 0
 };
 
-static_assert(sizeof(FloorModel) == 408);
+static_assert(sizeof(FloorModel) == 416);
 
 /// One word for files, one phrase for people.
 std::string_view name(ImuUse use);

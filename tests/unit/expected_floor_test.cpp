@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "daemon/stages/disparity.h"
 #include "daemon/stages/projection.h"
@@ -74,6 +76,94 @@ TEST_F(ExpectedFloorTest, a_floor_that_the_mounting_contradicts_is_not_expected)
   mount(0.8);
   FloorExpectation expectation(config);
   expect_near(expectation.expect(view.image(), &last), 0.8);
+}
+
+TEST_F(ExpectedFloorTest, a_ramp_is_expected_though_the_mounting_contradicts_it_and_what_is_too_steep_is_not) {
+  mount(up);
+  last.model = FloorKind::profile;
+  last.mounting_differs = 1;
+  const double before = config.mounting.pitch;
+  config.mounting.pitch = static_cast<float>(pitch - 0.2);  // the ramp falls by 0.2 against where the rover stands
+  FloorExpectation expectation(config);
+  expect_near(expectation.expect(view.image(), &last), up);
+  config.floor.maxSlope = 0.15f;
+  config.mounting.pitch = static_cast<float>(before);
+  last.pitch_rad = pitch + 0.2;
+  expect_near(expectation.expect(view.image(), &last), up);  // the mounting's
+  config.floor.maxSlope = 0.35f;
+  last.pitch_rad = pitch;
+  last.height_m = 1.4 * up;
+  last.b += 5;
+  expect_near(expectation.expect(view.image(), &last), up);  // a table beside it, say
+}
+
+/// Ground that is level up to `foot` m ahead, then rises by `slope`, and from `top` on is level again: what the pixel's ray meets first.
+double on_ramp(double v, double foot, double slope, double top) {
+  const Point ray = horizontal({0, (v - cy) / f, 1}, pitch, 0);
+  for (double ahead = 0.2; ahead < 60; ahead += 0.0005) {
+    const double ground = up - slope * (std::clamp(ahead, foot, top) - foot);  // m below the camera
+    if (ray.y * ahead / ray.z >= ground) return f * baseline / (ahead / ray.z) + cx_offset;
+  }
+  return cx_offset;
+}
+
+TEST_F(ExpectedFloorTest, the_floor_expected_bends_with_the_ground_and_goes_on_where_it_was_not_seen) {
+  last.model = FloorKind::profile;
+  last.profile_count = 50;
+  last.profile_start_m = 0.05f;
+  last.profile_step_m = 0.1f;
+  const double foot = 1.55, slope = 0.15;
+  for (double top : {2.55, 100.0}) {
+    for (uint32_t i = 0; i < last.profile_count; ++i) {
+      const double ahead = 0.05 + 0.1 * i;
+      last.profile_m[i] = static_cast<float>(slope * (std::clamp(ahead, foot, top) - foot));
+    }
+    // What is told behind that is nothing but its end: the ramp may go on, and a top that was seen goes on level.
+    last.profile_seen = top > 50 ? 25 : 40;
+    for (uint32_t i = last.profile_seen; i < last.profile_count; ++i) last.profile_m[i] = last.profile_m[last.profile_seen - 1];
+    FloorExpectation expectation(config);
+    expectation.prepare(view.spec());
+    const auto floor = expectation.expect(view.image(), &last);
+    ASSERT_TRUE(floor);
+    int rows = 0;
+    for (int v = floor->first_row(width) + 4; v < height; ++v, ++rows)
+      ASSERT_NEAR(floor->row(v).at(160) / 16.0, on_ramp(v, foot, slope, top), 0.12) << v << ' ' << top;
+    EXPECT_GT(rows, 100);
+  }
+}
+
+TEST_F(ExpectedFloorTest, behind_a_crest_rows_go_on_with_what_is_seen_there) {
+  last.model = FloorKind::profile;
+  last.profile_count = last.profile_seen = 50;
+  last.profile_start_m = 0.05f;
+  last.profile_step_m = 0.1f;
+  for (uint32_t i = 0; i < last.profile_count; ++i) {  // falls by 0.3 m, from 1.5 to 2.0 m ahead: steeper than the line of sight
+    last.profile_m[i] = static_cast<float>(-0.6 * (std::clamp(0.05 + 0.1 * i, 1.55, 2.05) - 1.55));
+  }
+  FloorExpectation expectation(config);
+  expectation.prepare(view.spec());
+  const auto floor = expectation.expect(view.image(), &last);
+  ASSERT_TRUE(floor);
+  int hidden = 0;
+  for (int v = height - 2; v > floor->first_row(width); --v) {
+    EXPECT_LE(floor->at_row(v), floor->at_row(v + 1) + 1e-6) << "farther from row to row";
+    hidden += floor->at_row(v + 1) - floor->at_row(v) > 3;
+  }
+  EXPECT_EQ(hidden, 1) << "one jump, over what the crest hides";
+}
+
+TEST_F(ExpectedFloorTest, a_mounting_alone_is_doubted_once_and_again_after_30_frames) {
+  mount(up);
+  FloorExpectation expectation(config);
+  std::vector<uint64_t> doubted;
+  for (view.image().sequence = 5; view.image().sequence < 40; ++view.image().sequence) {
+    expectation.expect(view.image(), nullptr);
+    if (expectation.doubtful(view.image())) doubted.push_back(view.image().sequence);
+  }
+  EXPECT_EQ(doubted, (std::vector<uint64_t>{5, 35}));
+  expectation.forget();
+  expectation.expect(view.image(), &last);
+  EXPECT_FALSE(expectation.doubtful(view.image()));
 }
 
 TEST_F(ExpectedFloorTest, nothing_is_expected_of_the_first_frame_without_a_mounting) {

@@ -220,6 +220,23 @@ TEST_F(PlaneFloorTest, what_stands_beyond_a_brow_is_an_obstacle_and_neither_floo
   for (double ahead = 3.4; ahead < 4.5; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead;
 }
 
+TEST_F(PlaneFloorTest, a_patch_of_floor_by_itself_is_told_only_where_it_is_large) {
+  for (const double half : {0.08, 0.5}) {
+    const Scene near = brow(2), flat = ground(high);
+    see([&](const Point& ray) {
+      const double z = near(ray), behind = flat(ray);
+      const Point h = horizontal(ray, pitch);
+      return z == 0 && std::abs(h.x * behind) < half && std::abs(h.z * behind - 3) < half ? behind : z;
+    });
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    EXPECT_EQ(why(1.5, 0), CellReason::floor);
+    EXPECT_EQ(why(3, 0), half < 0.1 ? CellReason::speckle : CellReason::floor);
+    EXPECT_EQ(risk(3, 0) < 0, half < 0.1);
+  }
+}
+
 TEST_F(PlaneFloorTest, what_rises_less_than_max_height_beyond_a_brow_is_unknown) {
   see(with_wall_from(brow(2.3), 3.25, -0.5, -0.12, 0.4));  // 0.14 m of it are seen
   ASSERT_EQ(find(), Outcome::valid);
