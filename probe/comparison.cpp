@@ -17,6 +17,7 @@
 #include "ipc/dump.h"
 #include "ipc/dump_json.h"
 #include "ipc/png.h"
+#include "probe/daemon_program.h"
 #include "probe/format.h"
 #include "probe/frame_set.h"
 #include "probe/samples.h"
@@ -150,13 +151,6 @@ void write_config(const fs::path& folder, const std::vector<ParameterInfo>& all,
 std::string text_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-/// vdispd beside this program, else the one in $PATH.
-std::string daemon_program() {
-  std::error_code error;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / "vdispd";
-  return !error && access(beside.c_str(), X_OK) == 0 ? beside.string() : "vdispd";
 }
 
 void run_daemon(const fs::path& folder, const std::string& dump, uint64_t frames, const std::vector<std::string>& sets) {

@@ -6,26 +6,14 @@
 #include <cstring>
 
 #include "ipc/recording.h"
+#include "probe/daemon_program.h"
 #include "probe/words.h"
 
 namespace vdisp {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// Beside this program, or on the PATH.
-std::string daemon_program() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (!error && fs::exists(self.parent_path() / "vdispd", error)) return (self.parent_path() / "vdispd").string();
-  return "vdispd";
-}
-
-}  // namespace
 
 int replay(const Options& options) {
   std::error_code error;
-  const fs::path folder = fs::absolute(options.output, error);
+  const std::filesystem::path folder = std::filesystem::absolute(options.output, error);
   std::vector<std::string> words{daemon_program()};
   try {
     const Recording recording(folder);

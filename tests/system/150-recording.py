@@ -154,6 +154,20 @@ class Recording(ProgramTest):
             self.replay(drive, again)
             self.assert_same_stages(live, again, 20)
 
+    def small_recording(self, *more):
+        drive = self.folder / "drive"
+        made = run("vdispd", "--sim", *sets("sim.rate=0", "main.middleware=none", *more), "--frames", 3, "--record", drive)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        return drive
+
+    def test_a_folder_called_as_the_daemon_beside_the_probe_is_not_taken_for_it(self):
+        place = self.folder / "tree"
+        (place / "vdispd").mkdir(parents=True)
+        shutil.copy(BIN / "vdisp-probe", place)
+        words = [place / "vdisp-probe", "replay", self.small_recording(), "--", "--set", "main.middleware=none"]
+        found = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=60, env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"})
+        self.assertEqual(found.returncode, 0, found.stderr)
+
     def test_names_and_index_are_as_documented_and_calibration_and_configuration_lie_beside(self):
         result = run("vdispd", "--sim", *sets("sim.rate=0", "main.middleware=none", "sim.seed=7"), "--frames", 3, "--record", self.folder / "drive")
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -264,8 +278,8 @@ class Recording(ProgramTest):
                              ["no_odometry", "no_imu", "no_drive", "no_event"])
 
     # vdisp-probe record
-    def start(self, *options, **named):
-        daemon = Running("vdispd", "--sim", *sets(*options), stdout=subprocess.DEVNULL, **named)
+    def start(self, *options, first=(), **named):
+        daemon = Running("vdispd", *first, "--sim", *sets(*options), stdout=subprocess.DEVNULL, **named)
         self.addCleanup(daemon.__exit__)
         self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 60), daemon.text())
         return daemon
