@@ -17,6 +17,7 @@
 #include "ipc/dump.h"
 #include "ipc/dump_json.h"
 #include "ipc/png.h"
+#include "probe/config_text.h"
 #include "probe/daemon_program.h"
 #include "probe/format.h"
 #include "probe/frame_set.h"
@@ -59,13 +60,6 @@ bool of_the_daemon(const std::string& key) {
   for (const char* pair : {"source", "left", "right", "rate", "loop", "paramfile", "odometry", "width", "height", "bayer"})
     if (key == std::string("image source.") + pair) return true;
   return false;
-}
-
-std::string quoted(const std::string& value) {
-  std::string text = "\"";
-  for (const char letter : value)
-    text += letter == '"' || letter == '\\' || letter == '$' ? std::string("\\") + letter : std::string(1, letter);
-  return text + "\"";
 }
 
 void write_pair(const fs::path& folder, uint64_t number, const FrameSet& set) {
@@ -126,26 +120,26 @@ void write_config(const fs::path& folder, const std::vector<ParameterInfo>& all,
       {"main.debug", "0"},
       {"main.metrics", "\"\""},
       {"image source.source", "files"},
-      {"image source.left", quoted((folder / "left").string() + "/%06d.png")},
-      {"image source.right", quoted((folder / "right").string() + "/%06d.png")},
+      {"image source.left", in_quotes((folder / "left").string() + "/%06d.png")},
+      {"image source.right", in_quotes((folder / "right").string() + "/%06d.png")},
       {"image source.rate", format("%.6g", rate)},
       {"image source.loop", "no"},
-      {"image source.paramfile", metres ? quoted((folder / "rectified.yml").string()) : "\"\""},
+      {"image source.paramfile", metres ? in_quotes((folder / "rectified.yml").string()) : "\"\""},
       {"image source.odometry", "\"\""},
       {"image source.width", "0"},
       {"image source.height", "0"},
       {"image source.bayer", "none"},
   };
-  std::string text, section;
+  ConfigText text;
   for (const ParameterInfo& info : all) {
-    const size_t dot = info.key.rfind('.');
-    const bool words = info.allowed.starts_with("a text") || info.allowed.starts_with("a path");
     const auto other = own.find(info.key);
-    if (of_the_daemon(info.key) && other == own.end()) continue;
-    if (const std::string here = info.key.substr(0, dot); here != section) text += "[" + (section = here) + "]\n";
-    text += info.key.substr(dot + 1) + " = " + (other != own.end() ? other->second : words ? quoted(info.value) : info.value) + "\n";
+    if (other != own.end()) {
+      text.add(info.key, other->second);
+    } else if (!of_the_daemon(info.key)) {
+      text.add(info.key, written(info));
+    }
   }
-  write_file(folder / "vdisp.cfg", text);
+  write_file(folder / "vdisp.cfg", text.text());
 }
 
 std::string text_of(const fs::path& file) {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "ipc/recording.h"
+#include "probe/config_text.h"
 #include "probe/daemon_program.h"
 #include "probe/words.h"
 
@@ -26,7 +27,7 @@ int replay(const Options& options) {
                           "image source.paramfile=", "image source.width=0", "image source.height=0", "image source.rate=0",
                           "image source.loop=no", "control.socket=", "ipc.group=", "recorder.seconds=0"})
     words.insert(words.end(), {"--set", set});
-  words.insert(words.end(), {"--set", "image source.recording=" + folder.string()});
+  words.insert(words.end(), {"--set", "image source.recording=" + in_quotes(folder.string())});
   words.insert(words.end(), options.topics.begin(), options.topics.end());
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

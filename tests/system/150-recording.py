@@ -321,6 +321,38 @@ class Recording(ProgramTest):
         apart = numpy.diff([int(pair["timestamp_ns"]) for pair in pairs]) * 1e-9
         self.assertLess(abs(numpy.median(apart) - 0.2), 0.04)
 
+    def test_texts_and_paths_of_the_configuration_are_what_they_were_whatever_they_hold(self):
+        place = self.folder / "run #3 $lab; \"x\""
+        place.mkdir()
+        calibration = place / "rover.yml"
+        shutil.copy(self.small_recording() / "calibration.yml", calibration)
+
+        def paramfile(config):
+            printed = run("vdispd", "-c", config, "--print-config")
+            self.assertEqual(printed.returncode, 0, printed.stderr)
+            return re.search(r"(?m)^paramfile = .*$", printed.stdout)[0]
+        own = self.folder / "own.cfg"
+        text = str(calibration)
+        for letter in '\\"$':
+            text = text.replace(letter, "\\" + letter)
+        own.write_text(f"[image source]\nparamfile = \"{text}\"\n")
+        self.start("main.detectors=none", first=("-c", own))
+        recorded = run("vdisp-probe", "record", self.folder / "paths", "--rate", "5", "--seconds", "1", "--json")
+        self.assertEqual(recorded.returncode, 0, recorded.stderr)
+        self.assertEqual(paramfile(self.folder / "paths/vdisp.cfg"), paramfile(own))
+        (self.folder / "paths").rename(place / "drive")
+        self.replay(place / "drive", self.folder / "again")
+
+    def test_a_recording_without_a_configuration_says_so(self):
+        self.start("main.detectors=none")
+        for options in (("--rate", "5"), ("--running",), ()):
+            drive = self.folder / f"drive{len(options)}"
+            told = json.loads(run("vdisp-probe", "record", drive, *options, "--seconds", "1", "--control", "/nowhere/control", "--json").stdout)
+            self.assertFalse((drive / "vdisp.cfg").exists())
+            self.assertIn("has no vdisp.cfg", told["warning"])
+            self.assertIn("/nowhere/control", told["warning"])
+            self.assertEqual("remember what came before" in told["warning"], not options)
+
     def test_the_probe_keeps_what_was_whole_when_its_disk_is_full_or_the_daemon_ends(self):
         place = self.folder / "small"
         place.mkdir()
