@@ -55,9 +55,9 @@ class Folder {
 /// What belongs to the daemon and its pairs, and not to the stages behind them.
 bool of_the_daemon(const std::string& key) {
   if (key == "main.detectors" || key == "main.threads") return false;
-  for (const char* section : {"main.", "camera.", "ipc.", "control.", "sim."})
+  for (const char* section : {"main.", "camera.", "ipc.", "control.", "recorder.", "drive.", "sim."})
     if (key.starts_with(section)) return true;
-  for (const char* pair : {"source", "left", "right", "rate", "loop", "paramfile", "odometry", "width", "height", "bayer"})
+  for (const char* pair : {"source", "left", "right", "recording", "rate", "loop", "paramfile", "odometry", "width", "height", "bayer"})
     if (key == std::string("image source.") + pair) return true;
   return false;
 }
@@ -122,6 +122,7 @@ void write_config(const fs::path& folder, const std::vector<ParameterInfo>& all,
       {"image source.source", "files"},
       {"image source.left", in_quotes((folder / "left").string() + "/%06d.png")},
       {"image source.right", in_quotes((folder / "right").string() + "/%06d.png")},
+      {"image source.recording", "\"\""},
       {"image source.rate", format("%.6g", rate)},
       {"image source.loop", "no"},
       {"image source.paramfile", metres ? in_quotes((folder / "rectified.yml").string()) : "\"\""},
