@@ -22,10 +22,11 @@ int replay(const Options& options) {
   } catch (const RecordingError& broken) {
     throw ProbeError(RecordingError::exit_code, broken.what());
   }
-  // Of the run that was recorded, not of this one: its source, its socket and its flight recorder.
+  // Of the run that was recorded, not of this one: its source, its socket, its flight recorder, and what it had of its machine.
   for (const char* set : {"image source.source=files", "image source.left=", "image source.right=", "image source.odometry=",
                           "image source.paramfile=", "image source.width=0", "image source.height=0", "image source.rate=0",
-                          "image source.loop=no", "control.socket=", "ipc.group=", "recorder.seconds=0"})
+                          "image source.loop=no", "control.socket=", "ipc.group=", "recorder.seconds=0",
+                          "main.metrics=", "main.scheduling=other", "main.cpus=", "main.lockMemory=no", "main.period=0"})
     words.insert(words.end(), {"--set", set});
   words.insert(words.end(), {"--set", "image source.recording=" + in_quotes(folder.string())});
   words.insert(words.end(), options.topics.begin(), options.topics.end());

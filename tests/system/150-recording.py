@@ -160,6 +160,25 @@ class Recording(ProgramTest):
         self.assertEqual(made.returncode, 0, made.stderr)
         return drive
 
+    def test_a_replay_takes_nothing_from_the_recorded_machine(self):
+        drive = self.small_recording()
+        config = drive / "vdisp.cfg"
+        text = config.read_text()
+        metrics = self.folder / "served.prom"
+        metrics.write_text("of the daemon that serves\n")
+        for key, value in (("scheduling", "fifo"), ("cpus", "1000"), ("lockMemory", "yes"), ("period", "30000"), ("metrics", metrics)):
+            text, count = re.subn(rf"(?m)^{key} = .*$", f"{key} = {value}", text, count=1)
+            self.assertEqual(count, 1, key)
+        config.write_text(text)
+        # A user without rights of its own: neither real time nor locked memory is permitted.
+        words = ["setpriv", "--bounding-set=-all", "--inh-caps=-all", "prlimit", "--rtprio=0", "--memlock=65536", BIN / "vdisp-probe", "replay", drive, "--",
+                 "--dump", self.folder / "again", "--set", "main.middleware=none"]
+        result = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=25)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(len(list((self.folder / "again").iterdir())), 3)
+        self.assertEqual(metrics.read_text(), "of the daemon that serves\n")
+        self.assert_refused(run("vdisp-probe", "replay", drive, "--", "--set", "main.cpus=1000", "--set", "main.middleware=none"), 78, "cpus")
+
     def test_a_folder_called_as_the_daemon_beside_the_probe_is_not_taken_for_it(self):
         place = self.folder / "tree"
         (place / "vdispd").mkdir(parents=True)
