@@ -179,6 +179,9 @@ class Recording(ProgramTest):
         self.assertEqual(metrics.read_text(), "of the daemon that serves\n")
         self.assert_refused(run("vdisp-probe", "replay", drive, "--", "--set", "main.cpus=1000", "--set", "main.middleware=none"), 78, "cpus")
 
+    def test_a_replay_attaches_to_nobody_and_so_waits_for_nobody(self):
+        self.assert_refused(run("vdisp-probe", "replay", self.small_recording(), "--wait", "1"), 64, "--wait")
+
     def test_a_folder_called_as_the_daemon_beside_the_probe_is_not_taken_for_it(self):
         place = self.folder / "tree"
         (place / "vdispd").mkdir(parents=True)
