@@ -244,7 +244,7 @@ StoredImage::StoredImage(const fs::path& file) {
 
 Comparison compare_frames(const Options& options) {
   Comparison comparison;
-  Control control(options.control);
+  Control control(options.control, limit_of_all);
   const std::vector<std::string> sets = known_sets(control, options, comparison.changes);
   const Folder folder;
   bool metres = false;

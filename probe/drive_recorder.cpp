@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "probe/config_text.h"
+#include "probe/samples.h"
 
 namespace vdisp {
 namespace {
@@ -50,9 +51,10 @@ DriveRecorder::~DriveRecorder() {
 
 /// Before the first frame: it takes the daemon some steps to tell them all.
 void DriveRecorder::take_parameters() {
-  if (control_.get_all(parameters_) == Control::Result::done) return;
+  Control control(options_.control, limit_of_all);  // control_ may not wait so long
+  if (control.get_all(parameters_) == Control::Result::done) return;
   parameters_.clear();
-  warn("the recording has no vdisp.cfg, and a replay takes the defaults: " + control_.message());
+  warn("the recording has no vdisp.cfg, and a replay takes the defaults: " + control.message());
 }
 
 void DriveRecorder::warn(const std::string& what) { warning_ += (warning_.empty() ? "" : "; ") + what; }
