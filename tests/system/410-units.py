@@ -144,6 +144,20 @@ class Completion(unittest.TestCase):
         self.assertIn("--stage", self.words("vdisp-probe", "view", "--st"))
         self.assertIn("--check-config", self.words("vdispd", "--c"))
         self.assertIn("plain", self.words("vdispd", "--cpu", ""))
+        self.assertEqual(self.words("vdisp-train", "eval"), ["evaluate"])
+        self.assertIn("--hold-out", self.words("vdisp-train", "train", "--ho"))
+        self.assertIn("--allow-synthetic", self.words("vdisp-drive", "--al"))
+
+    def test_every_program_is_completed_and_folders_for_options_that_write_one(self):
+        script = (PACKAGING / "completion.bash").read_text()
+        completed = re.search(r"^complete -F _vdisp (.+)$", script, re.M)[1].split()
+        pages = {path.stem for path in (ROOT / "docs/man").glob("*.1")}
+        self.assertEqual(pages - set(completed), {"vdisp-planner", "vdisp-incremental-planner"})  # examples
+        with tempfile.TemporaryDirectory() as place:
+            (pathlib.Path(place) / "folder").mkdir()
+            (pathlib.Path(place) / "file").touch()
+            for option in ("--dump", "--record"):
+                self.assertEqual(self.words("vdispd", option, f"{place}/f"), [f"{place}/folder"])
 
 
 class Scripts(unittest.TestCase):
