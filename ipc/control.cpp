@@ -88,7 +88,8 @@ struct Control::Implementation {
   Result send(const void* bytes, size_t size, Clock::time_point end);
   Result receive(uint32_t number, ReplyMessage& reply, Clock::time_point end);
   Result judge(const ReplyMessage& reply);
-  Result deliver(const void* bytes, size_t size);
+  Result deliver(const void* bytes, size_t size, Clock::time_point end);
+  Result deliver(const void* bytes, size_t size) { return deliver(bytes, size, Clock::now() + limit); }
   Result ask(const ParameterMessage& message, ReplyMessage& reply);
   Result set(std::string_view key, std::string_view value, bool joined, ParameterInfo* info);
   Result ended(const char* text);
@@ -206,8 +207,7 @@ Result Control::Implementation::receive(uint32_t number, ReplyMessage& reply, Cl
   return say(Result::no_answer, "the daemon did not answer within " + std::to_string(limit.count()) + " ms; is it stopped?");
 }
 
-Result Control::Implementation::deliver(const void* bytes, size_t size) {
-  const Clock::time_point end = Clock::now() + limit;
+Result Control::Implementation::deliver(const void* bytes, size_t size, Clock::time_point end) {
   const bool fresh = socket < 0;
   Result result = connect(end);
   if (result == Result::done) result = send(bytes, size, end);
@@ -219,7 +219,7 @@ Result Control::Implementation::deliver(const void* bytes, size_t size) {
 
 Result Control::Implementation::ask(const ParameterMessage& question, ReplyMessage& reply) {
   const Clock::time_point end = Clock::now() + limit;
-  const Result sent = deliver(&question, sizeof question);
+  const Result sent = deliver(&question, sizeof question, end);
   return sent == Result::done ? receive(question.header.number, reply, end) : sent;
 }
 
@@ -301,15 +301,15 @@ Result Control::get(std::string_view key, ParameterInfo& info) {
 Result Control::get_all(std::vector<ParameterInfo>& all) {
   constexpr uint32_t bundle = 16;
   all.clear();
+  const Clock::time_point end = Clock::now() + implementation_->limit;
   for (uint32_t count = 1; all.size() < count;) {
     const auto first = static_cast<uint32_t>(all.size()), last = first == 0 ? 1 : std::min(first + bundle, count);
-    const Clock::time_point end = Clock::now() + implementation_->limit;
     std::vector<uint32_t> numbers;
     for (uint32_t i = first; i < last; ++i) {
       auto message = make<ParameterMessage>(CommandType::get);
       message.index = i;
       numbers.push_back(message.header.number);
-      if (const Result sent = implementation_->deliver(&message, sizeof message); sent != Result::done) return sent;
+      if (const Result sent = implementation_->deliver(&message, sizeof message, end); sent != Result::done) return sent;
     }
     for (const uint32_t number : numbers) {
       ReplyMessage reply;

@@ -17,6 +17,8 @@
 #include "ipc/dump.h"
 #include "ipc/dump_json.h"
 #include "ipc/png.h"
+#include "probe/config_text.h"
+#include "probe/daemon_program.h"
 #include "probe/format.h"
 #include "probe/frame_set.h"
 #include "probe/samples.h"
@@ -53,18 +55,11 @@ class Folder {
 /// What belongs to the daemon and its pairs, and not to the stages behind them.
 bool of_the_daemon(const std::string& key) {
   if (key == "main.detectors" || key == "main.threads") return false;
-  for (const char* section : {"main.", "camera.", "ipc.", "control.", "sim."})
+  for (const char* section : {"main.", "camera.", "ipc.", "control.", "recorder.", "drive.", "sim."})
     if (key.starts_with(section)) return true;
-  for (const char* pair : {"source", "left", "right", "rate", "loop", "paramfile", "odometry", "width", "height", "bayer"})
+  for (const char* pair : {"source", "left", "right", "recording", "rate", "loop", "paramfile", "odometry", "width", "height", "bayer"})
     if (key == std::string("image source.") + pair) return true;
   return false;
-}
-
-std::string quoted(const std::string& value) {
-  std::string text = "\"";
-  for (const char letter : value)
-    text += letter == '"' || letter == '\\' || letter == '$' ? std::string("\\") + letter : std::string(1, letter);
-  return text + "\"";
 }
 
 void write_pair(const fs::path& folder, uint64_t number, const FrameSet& set) {
@@ -125,38 +120,32 @@ void write_config(const fs::path& folder, const std::vector<ParameterInfo>& all,
       {"main.debug", "0"},
       {"main.metrics", "\"\""},
       {"image source.source", "files"},
-      {"image source.left", quoted((folder / "left").string() + "/%06d.png")},
-      {"image source.right", quoted((folder / "right").string() + "/%06d.png")},
+      {"image source.left", in_quotes((folder / "left").string() + "/%06d.png")},
+      {"image source.right", in_quotes((folder / "right").string() + "/%06d.png")},
+      {"image source.recording", "\"\""},
       {"image source.rate", format("%.6g", rate)},
       {"image source.loop", "no"},
-      {"image source.paramfile", metres ? quoted((folder / "rectified.yml").string()) : "\"\""},
+      {"image source.paramfile", metres ? in_quotes((folder / "rectified.yml").string()) : "\"\""},
       {"image source.odometry", "\"\""},
       {"image source.width", "0"},
       {"image source.height", "0"},
       {"image source.bayer", "none"},
   };
-  std::string text, section;
+  ConfigText text;
   for (const ParameterInfo& info : all) {
-    const size_t dot = info.key.rfind('.');
-    const bool words = info.allowed.starts_with("a text") || info.allowed.starts_with("a path");
     const auto other = own.find(info.key);
-    if (of_the_daemon(info.key) && other == own.end()) continue;
-    if (const std::string here = info.key.substr(0, dot); here != section) text += "[" + (section = here) + "]\n";
-    text += info.key.substr(dot + 1) + " = " + (other != own.end() ? other->second : words ? quoted(info.value) : info.value) + "\n";
+    if (other != own.end()) {
+      text.add(info.key, other->second);
+    } else if (!of_the_daemon(info.key)) {
+      text.add(info.key, written(info));
+    }
   }
-  write_file(folder / "vdisp.cfg", text);
+  write_file(folder / "vdisp.cfg", text.text());
 }
 
 std::string text_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-/// vdispd beside this program, else the one in $PATH.
-std::string daemon_program() {
-  std::error_code error;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / "vdispd";
-  return !error && access(beside.c_str(), X_OK) == 0 ? beside.string() : "vdispd";
 }
 
 void run_daemon(const fs::path& folder, const std::string& dump, uint64_t frames, const std::vector<std::string>& sets) {
@@ -255,7 +244,7 @@ StoredImage::StoredImage(const fs::path& file) {
 
 Comparison compare_frames(const Options& options) {
   Comparison comparison;
-  Control control(options.control);
+  Control control(options.control, limit_of_all);
   const std::vector<std::string> sets = known_sets(control, options, comparison.changes);
   const Folder folder;
   bool metres = false;

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <charconv>
 
+#include "probe/config_text.h"
+#include "probe/samples.h"
+
 namespace vdisp {
 namespace {
 
@@ -35,8 +38,7 @@ DriveRecorder::DriveRecorder(Client& client, Control& control, const Options& op
   for (const char* topic : useful)
     if (std::any_of(entries.begin(), entries.end(), [&](const CatalogueEntry& entry) { return name_of(entry) == topic; }))
       names_.emplace_back(topic);
-  // Before the first frame: it takes the daemon some steps to tell them all.
-  if (control.get_all(parameters_) != Control::Result::done) parameters_.clear();
+  take_parameters();
   for (const std::string& name : names_) topics_.push_back(client.subscribe(name));
   readings_.resize(names_.size());
   if (options.rate > 0 || options.running) return;
@@ -47,12 +49,22 @@ DriveRecorder::~DriveRecorder() {
   for (Client::Topic topic : topics_) client_.unsubscribe(topic);
 }
 
+/// Before the first frame: it takes the daemon some steps to tell them all.
+void DriveRecorder::take_parameters() {
+  Control control(options_.control, limit_of_all);  // control_ may not wait so long
+  if (control.get_all(parameters_) == Control::Result::done) return;
+  parameters_.clear();
+  warn("the recording has no vdisp.cfg, and a replay takes the defaults: " + control.message());
+}
+
+void DriveRecorder::warn(const std::string& what) { warning_ += (warning_.empty() ? "" : "; ") + what; }
+
 /// When a first whole frame has come: then the stages run that are recorded.
 void DriveRecorder::ask_for_beginning() {
   asked_ = Clock::now();
   if (control_.event(recording_label) == Control::Result::done) return;
   awaited_ = false;
-  warning_ = "the stages remember what came before the recording, and a replay does not: " + control_.message();
+  warn("the stages remember what came before the recording, and a replay does not: " + control_.message());
 }
 
 bool DriveRecorder::poll(Client::Time limit) {
@@ -85,8 +97,8 @@ bool DriveRecorder::begins(const Image& camera) {
   if (awaited_ && Clock::now() - asked_ > again && ++asks_ < most_asks) ask_for_beginning();  // that frame was missed
   if (awaited_ && Clock::now() - asked_ > again) {
     awaited_ = false;
-    warning_ = "the daemon does not take events (frame " + std::to_string(camera.sequence) +
-               "): the stages remember what came before the recording, and a replay does not";
+    warn("the daemon does not take events (frame " + std::to_string(camera.sequence) +
+         "): the stages remember what came before the recording, and a replay does not");
   }
   return !awaited_;
 }
@@ -103,19 +115,6 @@ bool DriveRecorder::is_due(int64_t timestamp_ns) {
 std::string DriveRecorder::value_of(const char* key) const {
   const auto found = std::find_if(parameters_.begin(), parameters_.end(), [&](const ParameterInfo& info) { return info.key == key; });
   return found == parameters_.end() ? std::string() : found->value;
-}
-
-std::string DriveRecorder::configuration() const {
-  std::string text = "# As vdispd had it when this was recorded.\n", section;
-  for (const ParameterInfo& info : parameters_) {
-    const size_t dot = info.key.find('.');
-    if (info.key.substr(0, dot) != section) {
-      section = info.key.substr(0, dot);
-      text += "\n[" + section + "]\n";
-    }
-    text += info.key.substr(dot + 1) + " = " + info.value + "\n";
-  }
-  return text;
 }
 
 void DriveRecorder::open(const Image& camera) {
@@ -137,7 +136,9 @@ void DriveRecorder::open(const Image& camera) {
     if (text && reading.image->valid())
       texts.emplace_back("calibration.yml", std::string(text->text, std::min<size_t>(text->size, sizeof text->text)));
   }
-  if (!parameters_.empty()) texts.emplace_back("vdisp.cfg", configuration());
+  ConfigText config;
+  for (const ParameterInfo& parameter : parameters_) config.add(parameter.key, written(parameter));
+  if (!parameters_.empty()) texts.emplace_back("vdisp.cfg", "# As vdispd had it when this was recorded.\n\n" + config.text());
   thread_ = std::make_unique<RecordThread>(options_.output, info, texts, camera.spec);
   begun_ = Clock::now();
 }

@@ -42,13 +42,14 @@ class DriveRecorder {
 
  private:
   using Clock = std::chrono::steady_clock;
+  void take_parameters();
+  void warn(const std::string& what);
   void ask_for_beginning();
   bool begins(const Image& camera);
   bool is_due(int64_t timestamp_ns);
   void open(const Image& camera);
   void take(const Image& camera);
   std::string value_of(const char* key) const;
-  std::string configuration() const;
 
   Client& client_;
   Control& control_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "probe/asked_flight.h"
 #include "probe/attach.h"
 #include "probe/samples.h"
 #include "probe/terminal.h"
@@ -9,7 +10,8 @@
 namespace vdisp {
 namespace {
 
-constexpr int longest_s = 120;  // of writing: the ring may hold many seconds
+constexpr std::chrono::seconds begins_within{5}, longest{120};  // the ring may hold many seconds
+constexpr int fewest_looks = 6;                                 // where steps are rare
 
 RecorderStatus look(Client& client, Client::Topic topic) {
   for (int tries = 0; tries < 50 && !stopped(); ++tries) {
@@ -17,7 +19,6 @@ RecorderStatus look(Client& client, Client::Topic topic) {
     const RecorderStatus* status = reading.image ? record_of<RecorderStatus>(*reading.image) : nullptr;
     if (!status) continue;
     RecorderStatus copy = *status;
-    copy.text[sizeof copy.text - 1] = 0;
     client.release(topic);
     return copy;
   }
@@ -37,19 +38,24 @@ int dump_flight(const Options& options) {
     throw ProbeError(78, "the daemon keeps no flight recorder; set [recorder] seconds and folder in its vdisp.cfg and start it anew");
   Control control(options.control);
   require_done(control, options, [&] { return control.event(dump_flight_label); });
-  // One that was being written when this was asked is not the one that was asked for.
-  const uint64_t wanted = before.asked + 1, ready = before.written + before.failed + 1 + before.writing;
-  RecorderStatus now = before;
+  AskedFlight flight(before);
   const auto start = std::chrono::steady_clock::now();
-  while (!stopped() && (now.asked < wanted || now.written + now.failed < ready)) {
-    if (std::chrono::steady_clock::now() - start > std::chrono::seconds(now.asked < wanted && !now.writing ? 5 : longest_s))
-      throw ProbeError(69, now.asked < wanted ? "the daemon took the order, and its flight recorder did not begin within 5 s"
-                                              : "the flight recorder has not finished within 120 s");
-    now = look(client, topic);
+  auto state = AskedFlight::State::awaited;
+  for (int looks = 0; !stopped() && state <= AskedFlight::State::writing; ++looks) {
+    const RecorderStatus now = look(client, topic);
+    state = flight.see(now);
+    const auto waited = std::chrono::steady_clock::now() - start;
+    const bool awaited = state == AskedFlight::State::awaited && !now.writing;
+    if (awaited && waited > begins_within && looks >= fewest_looks)
+      throw ProbeError(69, "the daemon took the order, and its flight recorder did not begin within 5 s");
+    if (state <= AskedFlight::State::writing && waited > longest) throw ProbeError(69, "the flight recorder has not finished within 120 s");
   }
   if (stopped()) return 0;
-  if (now.failed > before.failed) throw ProbeError(74, std::string("the flight recorder could not write: ") + now.text);
-  print(options.json ? nlohmann::ordered_json{{"folder", now.text}}.dump() + "\n" : std::string(now.text) + "\n");
+  const std::string text = flight.text();
+  if (state == AskedFlight::State::overtaken)
+    throw ProbeError(69, "the flight recorder was done, and with a later folder too, before this could look: " + text);
+  if (state == AskedFlight::State::failed) throw ProbeError(74, "the flight recorder could not write: " + text);
+  print(options.json ? nlohmann::ordered_json{{"folder", text}}.dump() + "\n" : text + "\n");
   return 0;
 }
 

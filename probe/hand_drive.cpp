@@ -23,13 +23,15 @@ std::optional<HandOrder> order_of(const Hands& hands, double speed, double turn_
 
 void HandDrive::tick(const Hands& hands, Clock::time_point now) {
   const std::optional<HandOrder> order = order_of(hands, speed_, turn_rate_);
-  if (order && sent_ == order && now - sent_at_ < period) return;
-  sent_ = order;
   if (!order) {
     words_ = "no order";
     label_ = Label::none;
     return;
   }
+  // A stick that trembles has another order at each look; only to stand is urgent.
+  const bool urgent = *order == HandOrder{} && sent_ != HandOrder{};
+  if (now - sent_at_ < period && !urgent) return;
+  sent_ = *order;
   sent_at_ = now;
   label_ = label_of(order->speed, order->turn_rate);
   const bool through = control_.drive(order->speed, order->turn_rate) == Control::Result::done;

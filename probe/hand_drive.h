@@ -21,7 +21,8 @@ struct HandOrder {
 /// drives: by mouse the rover goes ahead while no button is held. Down is an order to stand.
 std::optional<HandOrder> order_of(const Hands& hands, double speed, double turn_rate);
 
-/// Sends what is held to the daemon, 20 times a second. What is let go is not sent any more: the daemon forgets it after 300 ms.
+/// Sends what is held to the daemon, 20 times a second, the newest each time; an order to stand at once. What is let go is not sent any
+/// more: the daemon forgets it after 300 ms.
 class HandDrive {
  public:
   using Clock = std::chrono::steady_clock;
@@ -35,7 +36,7 @@ class HandDrive {
  private:
   Control& control_;
   double speed_, turn_rate_;
-  std::optional<HandOrder> sent_;
+  HandOrder sent_;
   Clock::time_point sent_at_{};
   std::string words_ = "no order";
   Label label_ = Label::none;

@@ -9,17 +9,22 @@
 namespace vdisp {
 namespace {
 
+/// How a word finds a daemon: by the name of its images, by an argument of its own or the control socket, or not at all.
+enum class Reach { images, other, nobody };
+
 void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
-  const auto add = [&](const char* name, const char* help, int (*function)(const Options&), bool names_daemon = true) {
+  const auto add = [&](const char* name, const char* help, int (*function)(const Options&), Reach reach = Reach::images) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([&word, function] { word = function; });
-    if (names_daemon) sub->add_option("-n,--name", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
-    sub->add_option("--wait", options.wait_s, "Wait up to this many seconds for a daemon")
-        ->check(CLI::Range(0.0, 1e6))
-        ->type_name("SECONDS");
+    if (reach == Reach::images)
+      sub->add_option("-n,--name", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
+    if (reach != Reach::nobody)
+      sub->add_option("--wait", options.wait_s, "Wait up to this many seconds for a daemon")
+          ->check(CLI::Range(0.0, 1e6))
+          ->type_name("SECONDS");
     return sub;
   };
-  CLI::App* sub = add("view", "Page through the stages in a window: arrow keys, ? for help", view, false);
+  CLI::App* sub = add("view", "Page through the stages in a window: arrow keys, ? for help", view, Reach::other);
   sub->add_option("NAME", options.name, "Name of the daemon's images ([main] name)")->capture_default_str();
   sub->add_option("--stage", options.topics, "Stage to begin with")->expected(1)->type_name("TOPIC");
   const auto add_drive = [&](CLI::App* word_app) {
@@ -76,7 +81,7 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub->add_flag("--view", options.window, "In the window, driven by hand: arrow keys, mouse buttons or a gamepad");
   sub->add_flag("--json", options.json, "As JSON");
   add_drive(sub);
-  sub = add("replay", "Run vdispd on a recording, with the configuration it was made with", replay, false);
+  sub = add("replay", "Run vdispd on a recording, with the configuration it was made with", replay, Reach::nobody);
   sub->add_option("DIR", options.output, "Folder of the recording")->required();
   sub->add_option("OPTION", options.topics, "Options for vdispd, behind --");
   sub = add("dump-flight", "Write what the flight recorder holds to a folder, and tell its name", dump_flight);
@@ -84,7 +89,7 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
       ->type_name("PATH");
   sub->add_flag("--json", options.json, "As JSON");
   const auto add_control = [&](const char* name, const char* help, int (*function)(const Options&)) {
-    CLI::App* word_app = add(name, help, function, false);
+    CLI::App* word_app = add(name, help, function, Reach::other);
     word_app->add_option("--control", options.control, "The daemon's control socket ([control] socket); without it the usual places")
         ->type_name("PATH");
     word_app->add_flag("--json", options.json, "As JSON");

@@ -64,9 +64,9 @@ int save(const Options& options) {
 }
 
 int get(const Options& options) {
-  Control control(options.control);
-  std::vector<ParameterInfo> all(1);
   const bool one = !options.key.empty();
+  Control control(options.control, one ? std::chrono::seconds(2) : limit_of_all);
+  std::vector<ParameterInfo> all(1);
   require_done(control, options, [&] { return one ? control.get(options.key, all[0]) : control.get_all(all); });
   std::string text;
   Json json = Json::array();

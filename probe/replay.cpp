@@ -6,26 +6,15 @@
 #include <cstring>
 
 #include "ipc/recording.h"
+#include "probe/config_text.h"
+#include "probe/daemon_program.h"
 #include "probe/words.h"
 
 namespace vdisp {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// Beside this program, or on the PATH.
-std::string daemon_program() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (!error && fs::exists(self.parent_path() / "vdispd", error)) return (self.parent_path() / "vdispd").string();
-  return "vdispd";
-}
-
-}  // namespace
 
 int replay(const Options& options) {
   std::error_code error;
-  const fs::path folder = fs::absolute(options.output, error);
+  const std::filesystem::path folder = std::filesystem::absolute(options.output, error);
   std::vector<std::string> words{daemon_program()};
   try {
     const Recording recording(folder);
@@ -33,12 +22,13 @@ int replay(const Options& options) {
   } catch (const RecordingError& broken) {
     throw ProbeError(RecordingError::exit_code, broken.what());
   }
-  // Of the run that was recorded, not of this one: its source, its socket and its flight recorder.
+  // Of the run that was recorded, not of this one: its source, its socket, its flight recorder, and what it had of its machine.
   for (const char* set : {"image source.source=files", "image source.left=", "image source.right=", "image source.odometry=",
                           "image source.paramfile=", "image source.width=0", "image source.height=0", "image source.rate=0",
-                          "image source.loop=no", "control.socket=", "ipc.group=", "recorder.seconds=0"})
+                          "image source.loop=no", "control.socket=", "ipc.group=", "recorder.seconds=0",
+                          "main.metrics=", "main.scheduling=other", "main.cpus=", "main.lockMemory=no", "main.period=0"})
     words.insert(words.end(), {"--set", set});
-  words.insert(words.end(), {"--set", "image source.recording=" + folder.string()});
+  words.insert(words.end(), {"--set", "image source.recording=" + in_quotes(folder.string())});
   words.insert(words.end(), options.topics.begin(), options.topics.end());
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -12,6 +13,9 @@
 #include "probe/words.h"
 
 namespace vdisp {
+
+/// The limit of a connection for Control::get_all().
+inline constexpr std::chrono::seconds limit_of_all{10};
 
 /// Calls until the daemon is there, at most options.wait_s. Throws ProbeError with the exit code of what went wrong.
 void require_done(const Control& control, const Options& options, const std::function<Control::Result()>& call);

@@ -71,7 +71,7 @@ class Driver {
   /// Topics of the tree and the driver's own, with their sizes: what shared memory has to hold.
   std::vector<Topic> published_topics() const;
   using Viewer = std::function<void(const Topic&, const Image&)>;
-  /// Called for every image just before it is published. For --dump; not in the rover's loop.
+  /// Called in the loop for every image just before it is published: must not allocate or wait (--dump does).
   void set_viewer(Viewer viewer) { viewer_ = std::move(viewer); }
 
   StageTiming timing(Handle topic) const;

@@ -70,7 +70,7 @@ void draw_panel(Picture& page, Box room, const Panel& panel) {
     draw_row(page, {room.x, room.y + head + static_cast<int>(i - first) * row_height, room.width, row_height - 2}, panel.sliders[i],
              i == panel.chosen);
   if (panel.sliders.empty() && panel.trouble.empty())
-    page.text(room.x + margin, room.y + head, "this stage has none; a: all", colours::dim);
+    page.text(room.x + margin, room.y + head, panel.waits ? "the daemon is asked" : "this stage has none; a: all", colours::dim);
   const int below = room.y + head + static_cast<int>(end - first) * row_height + 4;
   draw_help(page, {room.x, below, room.width, room.y + room.height - below}, panel);
 }

@@ -13,6 +13,7 @@ namespace vdisp {
 
 struct Panel {
   bool open = false, everything = false;
+  bool waits = false;  ///< the daemon is asked for all of them
   std::vector<Slider> sliders;
   size_t chosen = 0;
   std::string trouble;  ///< why there are none, or why one was refused

@@ -46,6 +46,7 @@ bool concerns(std::string_view topic, std::string_view key) {
 void Tuner::open(bool on) {
   panel_.open = on;
   dragging_ = false;
+  panel_.trouble.clear();
   if (on) ask();
 }
 
@@ -61,15 +62,9 @@ void Tuner::show_all(bool on) {
 }
 
 void Tuner::ask() {
-  std::vector<ParameterInfo> found;
-  all_.clear();
-  panel_.trouble.clear();
-  if (control_.get_all(found) != Control::Result::done) panel_.trouble = control_.message();
-  for (const ParameterInfo& info : found) {
-    generation_ = std::max(generation_, info.config_generation);
-    if (const auto slider = Slider::of(info); slider && info.key != "Map.angRot") all_.push_back(*slider);
-  }
-  pick();
+  if (panel_.waits) return;
+  panel_.waits = true;
+  talk_.ask({Wish::Kind::all, {}, {}, false});
 }
 
 void Tuner::pick() {
@@ -77,12 +72,12 @@ void Tuner::pick() {
   panel_.sliders.clear();
   panel_.chosen = 0;
   panel_.everything = everything_;
-  dragging_ = false;
   for (const Slider& slider : all_) {
     if (!everything_ && !concerns(topic_, slider.info().key)) continue;
     if (slider.info().key == chosen) panel_.chosen = panel_.sliders.size();
     panel_.sliders.push_back(slider);
   }
+  dragging_ = dragging_ && panel_.chosen < panel_.sliders.size() && panel_.sliders[panel_.chosen].info().key == chosen;
 }
 
 void Tuner::choose(int by) {
@@ -115,33 +110,74 @@ void Tuner::drag(double place) {
 
 void Tuner::set(Slider& slider, const std::string& value, bool joined) {
   if (value == slider.info().value) return;
-  ParameterInfo info;
-  const Control::Result result = joined ? control_.adjust(slider.info().key, value, &info) : control_.set(slider.info().key, value, &info);
-  panel_.trouble = result == Control::Result::done ? "" : control_.message();
-  if (result != Control::Result::done) return;
-  generation_ = info.config_generation;
-  info.help = slider.info().help;  // an answer to set has none
-  slider.take(info);
-  for (Slider& known : all_)
-    if (known.info().key == info.key) known.take(info);
+  ParameterInfo wanted = slider.info();
+  wanted.value = value;
+  slider.take(wanted);
+  sets_ += talk_.ask({Wish::Kind::set, wanted.key, value, joined});
 }
 
-std::string Tuner::undo() {
-  ParameterInfo info;
-  if (control_.undo(&info) != Control::Result::done) return control_.message();
+void Tuner::undo() { talk_.ask({Wish::Kind::undo, {}, {}, false}); }
+
+void Tuner::save() { talk_.ask({Wish::Kind::save, {}, {}, false}); }
+
+std::optional<std::string> Tuner::hear() {
+  std::optional<std::string> told;
+  while (const auto answer = talk_.hear()) {
+    std::string line = take(*answer);
+    if (!told || !line.empty()) told = std::move(line);
+  }
+  return told;
+}
+
+std::string Tuner::take(const WishAnswer& answer) {
+  const bool done = answer.result == Control::Result::done;
+  switch (answer.wish.kind) {
+    case Wish::Kind::all: take_all(answer); return {};
+    case Wish::Kind::set: take_set(answer); return {};
+    case Wish::Kind::save: return done ? "written: " + answer.message : answer.message;
+    case Wish::Kind::undo: break;
+  }
+  if (!done) return answer.message;
   ask();
-  return "undone: " + (info.help.empty() ? info.key + " = " + info.value : info.help);
+  return "undone: " + (answer.info.help.empty() ? answer.info.key + " = " + answer.info.value : answer.info.help);
 }
 
-std::string Tuner::save() {
-  const Control::Result result = control_.save();
-  return result == Control::Result::done ? "written: " + control_.message() : control_.message();
+void Tuner::take_all(const WishAnswer& answer) {
+  panel_.waits = false;
+  all_.clear();
+  panel_.trouble = answer.result == Control::Result::done ? "" : answer.message;
+  for (const ParameterInfo& info : answer.all) {
+    generation_ = std::max(generation_, info.config_generation);
+    if (const auto slider = Slider::of(info); slider && info.key != "Map.angRot") all_.push_back(*slider);
+  }
+  pick();
+}
+
+void Tuner::take_set(const WishAnswer& answer) {
+  --sets_;
+  const bool done = answer.result == Control::Result::done;
+  panel_.trouble = done ? "" : answer.message;
+  if (!done) return settle(answer.wish.key);
+  generation_ = answer.info.config_generation;
+  for (Slider& known : all_) {
+    if (known.info().key != answer.info.key) continue;
+    ParameterInfo info = answer.info;
+    info.help = known.info().help;  // an answer to set has none
+    known.take(info);
+  }
+  if (sets_ == 0) settle();  // before, a slider may be farther than this answer
+}
+
+void Tuner::settle(const std::string& key) {
+  for (Slider& slider : panel_.sliders)
+    for (const Slider& known : all_)
+      if (known.info().key == slider.info().key && (key.empty() || known.info().key == key)) slider.take(known.info());
 }
 
 void Tuner::follow(uint64_t config_generation) {
-  if (!panel_.open || dragging_ || config_generation <= generation_) return;
+  if (!panel_.open || panel_.waits || dragging_ || sets_ > 0 || config_generation <= generation_) return;
   ask();
-  generation_ = std::max(generation_, config_generation);
+  generation_ = config_generation;  // where the daemon does not tell, it is not asked again for each image
 }
 
 }  // namespace vdisp

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ipc/include/vdisp/control.h"
+#include "probe/view/conversation.h"
 #include "probe/view/panel.h"
 
 namespace vdisp {
@@ -17,10 +17,11 @@ namespace vdisp {
 /// True where the parameter is one to turn while the stage is looked at. Of a stage that is not known every one is.
 bool concerns(std::string_view topic, std::string_view key);
 
-/// Talks to the control socket; each call waits for the daemon for half a second at most.
+/// Talks to the control socket and waits for nothing: what is turned shows at once what it was turned to, and goes back where the daemon
+/// says no. A limit of some seconds, as the daemon takes a frame or two for each 16 parameters.
 class Tuner {
  public:
-  explicit Tuner(const std::string& control) : control_(control, std::chrono::milliseconds(500)) {}
+  explicit Tuner(const std::string& control, std::chrono::milliseconds limit = std::chrono::milliseconds(5000)) : talk_(control, limit) {}
 
   /// What the window draws; closed until open().
   const Panel& panel() const { return panel_; }
@@ -35,9 +36,10 @@ class Tuner {
   void drag(double place);
   void let_go() { dragging_ = false; }
   bool dragging() const { return dragging_; }
-  /// One line each: what became of it.
-  std::string undo();
-  std::string save();
+  void undo();
+  void save();
+  /// What the daemon has answered. Nothing: no answer came; else what became of undo or save in one line, or empty.
+  std::optional<std::string> hear();
   /// The generation of the image shown: where somebody else has changed a parameter, all are asked for anew.
   void follow(uint64_t config_generation);
 
@@ -45,14 +47,20 @@ class Tuner {
   void ask();
   void pick();
   void set(Slider& slider, const std::string& value, bool joined);
+  std::string take(const WishAnswer& answer);
+  void take_all(const WishAnswer& answer);
+  void take_set(const WishAnswer& answer);
+  /// Sliders show again what the daemon has: all of them, or that of one key.
+  void settle(const std::string& key = {});
 
-  Control control_;
-  std::vector<Slider> all_;
+  Conversation talk_;
+  std::vector<Slider> all_;  // as the daemon has them
   Panel panel_;
   std::string topic_;
   uint64_t generation_ = 0;
   bool everything_ = false, dragging_ = false;
   bool joined_ = false;  // the slider that is dragged was set already
+  int sets_ = 0;         // that are not answered yet
 };
 
 }  // namespace vdisp

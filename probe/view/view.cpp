@@ -56,6 +56,7 @@ class Viewer {
       const int limit = static_cast<int>(std::clamp<int64_t>((draw_period - since).count(), 1, longest));
       for (auto input = window_.wait(limit); input; input = window_.wait(0)) handle(*input);
       if (stopped() || quit_ || !go_on()) return;
+      hear();
       look();
       const auto now = Clock::now();
       if (now - drawn_ < (changed_ ? draw_period : idle_period)) continue;
@@ -81,6 +82,14 @@ class Viewer {
     }
     changed_ = changed_ || before != state_.drive + state_.recording;
     return more;
+  }
+
+  /// What the daemon says to what was turned.
+  void hear() {
+    const auto line = tuner_.hear();
+    if (!line) return;
+    changed_ = true;
+    if (!line->empty()) tell(*line);
   }
 
   void draw(Clock::time_point now) {
@@ -125,8 +134,8 @@ class Viewer {
       case Input::previous_slider: return tuner_.choose(-1);
       case Input::more: return tuner_.step(1);
       case Input::less: return tuner_.step(-1);
-      case Input::undo: return tell(tuner_.undo());
-      case Input::write: return tell(tuner_.save());
+      case Input::undo: return tuner_.undo();
+      case Input::write: return tuner_.save();
       case Input::all_sliders: return tuner_.show_all(!tuner_.panel().everything);
       default: return;
     }

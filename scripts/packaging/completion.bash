@@ -1,4 +1,4 @@
-# completion.bash: words, options and parameters of vdispd, vdisp-probe and vdisp-calibrate, as the programs themselves tell them. zsh takes
+# completion.bash: words, options and parameters of vdispd and the programs beside it, as they tell them themselves. zsh takes
 # it too: autoload -U bashcompinit; bashcompinit; source this file.
 # SPDX-License-Identifier: Apache-2.0
 
@@ -26,9 +26,9 @@ _vdisp() {
       return ;;
     --cpu) COMPREPLY=($(compgen -W "$(vdispd --version 2>/dev/null | sed -n 's/^instruction sets here: //p' | sed 's/, /\n/g')" -- "$word")); return ;;
     -c | --config | --dot | --file) COMPREPLY=($(compgen -f -- "$word")); compopt -o filenames 2>/dev/null; return ;;
-    --dump) COMPREPLY=($(compgen -d -- "$word")); compopt -o filenames 2>/dev/null; return ;;
+    --dump | --record) COMPREPLY=($(compgen -d -- "$word")); compopt -o filenames 2>/dev/null; return ;;
   esac
-  if [ "${program##*/}" = vdispd ]; then
+  if [[ ${program##*/} = vdispd || ${program##*/} = vdisp-drive ]]; then
     COMPREPLY=($(compgen -W "$(_vdisp_options "$program")" -- "$word"))
   elif [ -z "$first" ]; then
     COMPREPLY=($(compgen -W "$(_vdisp_words "$program")"$'\n'"$(_vdisp_options "$program")" -- "$word"))
@@ -41,4 +41,4 @@ _vdisp() {
     compopt -o filenames 2>/dev/null
   fi
 }
-complete -F _vdisp vdispd vdisp-probe vdisp-calibrate
+complete -F _vdisp vdispd vdisp-probe vdisp-calibrate vdisp-train vdisp-drive

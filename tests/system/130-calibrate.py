@@ -425,6 +425,24 @@ class Capture(ProgramTest):
         for f in found["fx"]:
             self.assertAlmostEqual(f, F, delta=0.01 * F)
 
+    def test_views_are_numbered_on_behind_the_last_one_whatever_gaps_are_before_it(self):
+        for side, view in zip(("left", "right"), self.views(self.POSES[0])):
+            (self.folder / side).mkdir()
+            cv2.imwrite(str(self.folder / side / "000000.png"), view)
+        taken = self.folder / "taken"
+        for side, numbers in (("left", (0, 1, 3)), ("right", (0, 1, 3, 4))):  # 2 was bad; of 4 one half is left
+            (taken / side).mkdir(parents=True)
+            for number in numbers:
+                (taken / side / f"{number:06d}.png").write_bytes(b"an earlier capture's")
+            (taken / side / "notes.txt").write_text("also here")
+        config = self.write_config("rate=6\nloop=yes\n", middleware="shm")
+        with Running("vdispd", "-c", config, "--set", "main.debug=1") as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 20), daemon.text())
+            result = run("vdisp-calibrate", "capture", taken, "--board", "9x6", "--square", "0.03", "--seconds", "4", timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("000005.png taken", result.stdout)
+        self.assertEqual(sorted(path.name for path in (taken / "left").glob("*.png")), [f"{i:06d}.png" for i in (0, 1, 3, 5)])
+
     def screen(self):
         """What Xvfb shows: its framebuffer is a file in the format of xwd."""
         data = (self.folder / "Xvfb_screen0").read_bytes()

@@ -154,6 +154,42 @@ class Recording(ProgramTest):
             self.replay(drive, again)
             self.assert_same_stages(live, again, 20)
 
+    def small_recording(self, *more):
+        drive = self.folder / "drive"
+        made = run("vdispd", "--sim", *sets("sim.rate=0", "main.middleware=none", *more), "--frames", 3, "--record", drive)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        return drive
+
+    def test_a_replay_takes_nothing_from_the_recorded_machine(self):
+        drive = self.small_recording()
+        config = drive / "vdisp.cfg"
+        text = config.read_text()
+        metrics = self.folder / "served.prom"
+        metrics.write_text("of the daemon that serves\n")
+        for key, value in (("scheduling", "fifo"), ("cpus", "1000"), ("lockMemory", "yes"), ("period", "30000"), ("metrics", metrics)):
+            text, count = re.subn(rf"(?m)^{key} = .*$", f"{key} = {value}", text, count=1)
+            self.assertEqual(count, 1, key)
+        config.write_text(text)
+        # A user without rights of its own: neither real time nor locked memory is permitted.
+        words = ["setpriv", "--bounding-set=-all", "--inh-caps=-all", "prlimit", "--rtprio=0", "--memlock=65536", BIN / "vdisp-probe", "replay", drive, "--",
+                 "--dump", self.folder / "again", "--set", "main.middleware=none"]
+        result = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=25)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(len(list((self.folder / "again").iterdir())), 3)
+        self.assertEqual(metrics.read_text(), "of the daemon that serves\n")
+        self.assert_refused(run("vdisp-probe", "replay", drive, "--", "--set", "main.cpus=1000", "--set", "main.middleware=none"), 78, "cpus")
+
+    def test_a_replay_attaches_to_nobody_and_so_waits_for_nobody(self):
+        self.assert_refused(run("vdisp-probe", "replay", self.small_recording(), "--wait", "1"), 64, "--wait")
+
+    def test_a_folder_called_as_the_daemon_beside_the_probe_is_not_taken_for_it(self):
+        place = self.folder / "tree"
+        (place / "vdispd").mkdir(parents=True)
+        shutil.copy(BIN / "vdisp-probe", place)
+        words = [place / "vdisp-probe", "replay", self.small_recording(), "--", "--set", "main.middleware=none"]
+        found = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=60, env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"})
+        self.assertEqual(found.returncode, 0, found.stderr)
+
     def test_names_and_index_are_as_documented_and_calibration_and_configuration_lie_beside(self):
         result = run("vdispd", "--sim", *sets("sim.rate=0", "main.middleware=none", "sim.seed=7"), "--frames", 3, "--record", self.folder / "drive")
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -264,8 +300,8 @@ class Recording(ProgramTest):
                              ["no_odometry", "no_imu", "no_drive", "no_event"])
 
     # vdisp-probe record
-    def start(self, *options, **named):
-        daemon = Running("vdispd", "--sim", *sets(*options), stdout=subprocess.DEVNULL, **named)
+    def start(self, *options, first=(), **named):
+        daemon = Running("vdispd", *first, "--sim", *sets(*options), stdout=subprocess.DEVNULL, **named)
         self.addCleanup(daemon.__exit__)
         self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 60), daemon.text())
         return daemon
@@ -306,6 +342,38 @@ class Recording(ProgramTest):
             self.assertGreater(told["labels"][label], 2, told)
         apart = numpy.diff([int(pair["timestamp_ns"]) for pair in pairs]) * 1e-9
         self.assertLess(abs(numpy.median(apart) - 0.2), 0.04)
+
+    def test_texts_and_paths_of_the_configuration_are_what_they_were_whatever_they_hold(self):
+        place = self.folder / "run #3 $lab; \"x\""
+        place.mkdir()
+        calibration = place / "rover.yml"
+        shutil.copy(self.small_recording() / "calibration.yml", calibration)
+
+        def paramfile(config):
+            printed = run("vdispd", "-c", config, "--print-config")
+            self.assertEqual(printed.returncode, 0, printed.stderr)
+            return re.search(r"(?m)^paramfile = .*$", printed.stdout)[0]
+        own = self.folder / "own.cfg"
+        text = str(calibration)
+        for letter in '\\"$':
+            text = text.replace(letter, "\\" + letter)
+        own.write_text(f"[image source]\nparamfile = \"{text}\"\n")
+        self.start("main.detectors=none", first=("-c", own))
+        recorded = run("vdisp-probe", "record", self.folder / "paths", "--rate", "5", "--seconds", "1", "--json")
+        self.assertEqual(recorded.returncode, 0, recorded.stderr)
+        self.assertEqual(paramfile(self.folder / "paths/vdisp.cfg"), paramfile(own))
+        (self.folder / "paths").rename(place / "drive")
+        self.replay(place / "drive", self.folder / "again")
+
+    def test_a_recording_without_a_configuration_says_so(self):
+        self.start("main.detectors=none")
+        for options in (("--rate", "5"), ("--running",), ()):
+            drive = self.folder / f"drive{len(options)}"
+            told = json.loads(run("vdisp-probe", "record", drive, *options, "--seconds", "1", "--control", "/nowhere/control", "--json").stdout)
+            self.assertFalse((drive / "vdisp.cfg").exists())
+            self.assertIn("has no vdisp.cfg", told["warning"])
+            self.assertIn("/nowhere/control", told["warning"])
+            self.assertEqual("remember what came before" in told["warning"], not options)
 
     def test_the_probe_keeps_what_was_whole_when_its_disk_is_full_or_the_daemon_ends(self):
         place = self.folder / "small"

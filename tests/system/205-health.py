@@ -275,6 +275,19 @@ class Compare(Daemon):
             self.assertLess(after, before)
             self.assertEqual(stages["disparity"]["counted"]["new"], after, "what compare showed is what set brings")
 
+    def test_on_a_replayed_recording_it_compares_too_and_what_is_the_daemons_own_cannot_be_changed(self):
+        made = run("vdispd", "--sim", *SMALL, "--set", "sim.rate=0", "--set", "main.middleware=none", "--frames", 5, "--record", self.folder / "drive")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        sets = [word for item in (f"image source.recording={self.folder}/drive", "image source.source=files", "image source.loop=yes", "image source.rate=10",
+                                  "image source.ndisp=32", "recorder.seconds=2", f"recorder.folder={self.folder}/flights") for word in ("--set", item)]
+        with Running("vdispd", *sets, stdout=subprocess.DEVNULL) as daemon:
+            self.assertTrue(wait_until(lambda: "ready" in daemon.text(), 30), daemon.text())
+            told = json.loads(self.probe("compare", "thresh=40", "--frames", "2", "--json"))
+            stages = {stage["stage"]: stage for stage in told["stages"]}
+            self.assertGreater(stages["disparity"]["differing"], 100)
+            for key in ("recorder.keep=3", "recorder.seconds=9", "drive.port=/dev/null", "image source.recording=elsewhere"):
+                self.assert_refused(run("vdisp-probe", "compare", key, "-o", self.folder / "x.png"), 64, "cannot be compared")
+
     def test_what_cannot_be_compared_is_refused(self):
         self.assert_refused(run("vdisp-probe", "compare", "thresh=1", "-o", self.folder / "x.png"), 69, "vdispd")
         self.start()

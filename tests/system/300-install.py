@@ -75,7 +75,8 @@ class Install(unittest.TestCase):
                      "bin/vdisp-train", "share/man/man1/vdisp-train.1",
                      "share/man/man5/vdisp.cfg.5", "share/man/man1/vdisp-planner.1", "share/man/man1/vdisp-incremental-planner.1",
                      "etc/vdisp/vdisp.cfg", "lib/systemd/system/vdispd.service", "lib/udev/rules.d/60-vdisp.rules", "lib/sysusers.d/vdisp.conf",
-                     "lib/tmpfiles.d/vdisp.conf", "share/bash-completion/completions/vdispd"):
+                     "lib/tmpfiles.d/vdisp.conf",
+                     *(f"share/bash-completion/completions/{program}" for program in ("vdispd", "vdisp-probe", "vdisp-calibrate", "vdisp-train", "vdisp-drive"))):
             self.assertTrue((self.prefix / name).is_file(), name)
         headers = {path.name for path in (self.prefix / "include/vdisp").iterdir()}
         self.assertEqual(headers, {"client.h", "client_c.h", "command.h", "control.h", "control_c.h", "image.h", "records", "records.h"})

@@ -2,8 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstring>
+#include <thread>
+
 #include "config/parameters.h"
 #include "probe/view/tuner.h"
+#include "tests/support/standin_control.h"
+#include "tests/support/temporary_folder.h"
 
 namespace vdisp {
 namespace {
@@ -109,6 +115,112 @@ TEST(TunerTest, each_live_parameter_is_told_with_some_stage_and_unknown_stages_h
   EXPECT_FALSE(concerns("disparity", "Map.minCount"));
   EXPECT_TRUE(concerns("fused_reason", "Memory.keep"));
   EXPECT_TRUE(concerns("camera/right", "main.period"));
+}
+
+/// A daemon that answers when the test lets it, with parameters as they are by default.
+struct TunerTalk : testing::Test {
+  using Clock = std::chrono::steady_clock;
+  TemporaryFolder folder;
+  StandInControl daemon{(folder / "control").string()};
+  Config config;
+  std::vector<std::string> set;  // as they were asked for
+  Tuner tuner{(folder / "control").string(), std::chrono::milliseconds(300)};
+
+  /// Answers what has come, until `good`; false: it did not become so.
+  template <class Good>
+  bool answer_until(const Good& good) {
+    for (const auto end = Clock::now() + std::chrono::seconds(5); Clock::now() < end;) {
+      for (const auto& heard : daemon.hear()) answer(heard);
+      if (const auto line = tuner.hear(); line && !line->empty()) told = *line;
+      if (good()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  }
+  void answer(const StandInControl::Heard& heard) {
+    ParameterMessage question;
+    std::memcpy(&question, heard.bytes.data(), sizeof question);
+    const bool by_key = question.key[0] != 0;
+    const Parameter& row = by_key ? *find_parameter(question.key) : parameters()[question.index];
+    ReplyMessage reply{};
+    if (heard.header.type == CommandType::set) {
+      set.push_back(row.name() + "=" + question.value + (question.joined ? " joined" : ""));
+      reply.answer = refuses ? Answer::refused : Answer::done;
+      if (refuses) std::strcpy(reply.text, "not now");
+      if (!refuses) row.set(config, question.value);
+    }
+    const ParameterInfo info = info_of(row, config);
+    reply.index = question.index;
+    reply.count = static_cast<uint32_t>(parameters().size());
+    reply.live = info.live;
+    info.key.copy(reply.key, sizeof reply.key - 1);
+    info.value.copy(reply.value, sizeof reply.value - 1);
+    info.standard.copy(reply.standard, sizeof reply.standard - 1);
+    info.allowed.copy(reply.allowed, sizeof reply.allowed - 1);
+    daemon.answer(heard, reply);
+  }
+  void open_disparity() {
+    tuner.show("disparity");
+    tuner.open(true);
+    ASSERT_TRUE(answer_until([&] { return !tuner.panel().sliders.empty(); }));
+    for (const Slider& slider : tuner.panel().sliders)
+      if (slider.info().key != "image source.thresh") {
+        tuner.choose(1);
+      } else {
+        return;
+      }
+  }
+  std::string value() const { return tuner.panel().sliders[tuner.panel().chosen].info().value; }
+  bool refuses = false;
+  std::string told;
+};
+
+TEST_F(TunerTalk, no_call_waits_for_a_daemon_that_does_not_answer) {
+  const auto start = Clock::now();
+  tuner.show("disparity");
+  tuner.open(true);
+  EXPECT_TRUE(tuner.panel().waits);
+  tuner.follow(7);
+  tuner.undo();
+  tuner.save();
+  EXPECT_EQ(tuner.hear(), std::nullopt);
+  EXPECT_LT(Clock::now() - start, std::chrono::milliseconds(50));
+  for (const auto end = start + std::chrono::seconds(3); tuner.panel().trouble.empty() && Clock::now() < end;) {
+    tuner.hear();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_NE(tuner.panel().trouble.find("did not answer within 300 ms"), std::string::npos) << tuner.panel().trouble;
+}
+
+TEST_F(TunerTalk, what_is_turned_shows_at_once_and_is_what_the_daemon_has_in_the_end) {
+  open_disparity();
+  EXPECT_EQ(value(), "10");
+  tuner.step(1);
+  EXPECT_EQ(value(), "11") << "before the daemon has heard of it";
+  tuner.follow(1);
+  ASSERT_TRUE(answer_until([&] { return config.image_source.thresh == 11; }));
+  EXPECT_TRUE(answer_until([&] { return set.size() == 1 && value() == "11"; }));
+}
+
+TEST_F(TunerTalk, what_the_daemon_refuses_goes_back_and_is_said) {
+  open_disparity();
+  refuses = true;
+  tuner.step(1);
+  EXPECT_EQ(value(), "11");
+  ASSERT_TRUE(answer_until([&] { return !tuner.panel().trouble.empty(); }));
+  EXPECT_EQ(tuner.panel().trouble, "not now");
+  EXPECT_EQ(value(), "10");
+}
+
+TEST_F(TunerTalk, of_a_drag_that_is_faster_than_the_daemon_the_newest_place_is_asked_for_as_one_step) {
+  open_disparity();
+  tuner.press(tuner.panel().chosen, 0.3);
+  for (int i = 0; i <= 50; ++i) tuner.drag(0.3 + 0.01 * i);
+  EXPECT_EQ(value(), "32");
+  tuner.let_go();
+  ASSERT_TRUE(answer_until([&] { return config.image_source.thresh == 32; }));
+  EXPECT_LE(set.size(), 3u) << "the first, perhaps one more, and the last";
+  EXPECT_EQ(set.back(), "image source.thresh=32" + std::string(set.size() > 1 ? " joined" : ""));
 }
 
 }  // namespace

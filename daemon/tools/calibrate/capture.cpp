@@ -3,6 +3,8 @@
 #include <sysexits.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -25,14 +27,27 @@ constexpr Time to_frame(500), to_first_frame(10000);
 
 volatile std::sig_atomic_t stop_asked = 0;
 
-/// DIR/left and DIR/right; views are numbered on from those that are there.
+/// Behind the largest number among its files; 0 where there is none.
+int next_number(const std::filesystem::path& folder) {
+  int next = 0;
+  std::error_code error;
+  for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+    const std::string stem = i->path().stem().string();
+    int number = 0;
+    const auto [rest, fault] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+    if (fault == std::errc() && rest == stem.data() + stem.size()) next = std::max(next, number + 1);
+  }
+  return next;
+}
+
+/// DIR/left and DIR/right; views are numbered on from those that are there, behind any gap among them.
 class Album {
  public:
   explicit Album(const std::filesystem::path& folder) : folder_(folder) {
     for (const char* side : {"left", "right"})
       if (std::error_code error; !std::filesystem::create_directories(folder / side, error) && error)
         throw write_error("cannot create", folder / side, error.value());
-    while (std::filesystem::exists(file("left")) || std::filesystem::exists(file("right"))) ++number_;
+    for (const char* side : {"left", "right"}) number_ = std::max(number_, next_number(folder / side));
   }
   std::string add(const cv::Mat (&views)[2]) {
     const char* sides[] = {"left", "right"};

@@ -43,7 +43,7 @@ cv::Mat picture_of(const Image& image) {
 }
 
 std::vector<std::string> settings_of_daemon() {
-  Control control;
+  Control control({}, std::chrono::seconds(10));  // an answer takes a frame or two, and there are many
   std::vector<ParameterInfo> all;
   std::vector<std::string> sets;
   if (control.get_all(all) != Control::Result::done) return sets;

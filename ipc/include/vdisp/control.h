@@ -77,7 +77,7 @@ class Control {
   /// As set(), for a slider that moves: with the set() or adjust() of the same key before, by this connection, it is one step for undo().
   Result adjust(std::string_view key, std::string_view value, ParameterInfo* info = nullptr);
   Result get(std::string_view key, ParameterInfo& info);
-  /// All, in the order of vdisp.cfg.
+  /// All, in the order of vdisp.cfg. The daemon takes a frame or two for each 16 of them: a limit of some seconds is right.
   Result get_all(std::vector<ParameterInfo>& all);
   /// Takes the last set back.
   Result undo(ParameterInfo* info = nullptr);
