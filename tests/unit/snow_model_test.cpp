@@ -78,6 +78,27 @@ TEST_F(ModelFile, holds_what_was_written) {
   EXPECT_EQ(reinterpret_cast<uintptr_t>(model.weights(0).data()) % 4096, 0u);
 }
 
+// cp onto the file of a running daemon truncates and then overwrites what it reads from.
+TEST_F(ModelFile, that_is_open_stays_as_it_was_checked_whatever_becomes_of_its_file) {
+  const Model model = Model::open(file_);
+  const uint32_t ids[] = {1309489, 100003};
+  Weights others;
+  for (auto& weights : others.of) std::fill(weights.begin(), weights.end(), 7.f);
+  ModelParts parts = parts_of(others);
+  parts.obstacle.winnow.theta = 5;
+  write_model(folder_ / "b.model", parts);
+  {
+    std::ifstream from(folder_ / "b.model", std::ios::binary);
+    std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary) << from.rdbuf();  // the same inode
+  }
+  EXPECT_DOUBLE_EQ(model.obstacle(ids).first, 0.125 + 100003 % 97 + 1);
+  EXPECT_EQ(model.obstacle_training().winnow.theta, 2);
+  fs::resize_file(file_, 0);
+  EXPECT_DOUBLE_EQ(model.direction(ids).second, 0.5 + 4 * (100003 % 97 + 1));
+  EXPECT_EQ(model.settings(), parts.settings);
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::equal(weights_.of[i].begin(), weights_.of[i].end(), model.weights(i).begin())) << i;
+}
+
 TEST_F(ModelFile, same_parts_give_the_same_bytes_and_leave_nothing_else) {
   write_model(folder_ / "b.model", parts_of(weights_));
   const auto bytes = [](const fs::path& path) {
