@@ -47,8 +47,7 @@ void check_header(const std::filesystem::path& path, const std::byte* memory, si
     wrong(path, (bytes < header.file_bytes ? "is cut off: " : "has something behind its end: ") + std::to_string(bytes) +
                     " bytes, it should have " + std::to_string(header.file_bytes));
   if (bytes < model_page + model_weights_bytes) wrong(path, "is too short for its weights");
-  if (name(header.settings.encoding) == "unknown")
-    wrong(path, "is of encoding " + std::to_string(static_cast<uint32_t>(header.settings.encoding)) + ", known are 1 to 4");
+  if (const auto text = nonsense_in(header.settings, header.obstacle, header.direction); !text.empty()) wrong(path, "no usable model: " + text);
 }
 
 std::vector<Source> sources_in(std::string_view text) {
@@ -115,6 +114,8 @@ Model Model::open(const std::filesystem::path& path) {
   const std::byte* list = memory + model_page + model_weights_bytes;
   const size_t rest = model.copy_.size() - model_page - model_weights_bytes;
   if (checksum(list, rest) != header.sources_checksum) wrong(path, "is damaged: the checksum of its list of recordings is wrong");
+  for (int target = 0; target < 4; ++target)
+    if (const auto text = nonsense_in(model.weights(target)); !text.empty()) wrong(path, "no usable model: " + text);
   model.sources_ = sources_in({reinterpret_cast<const char*>(list), rest});
   return model;
 }
