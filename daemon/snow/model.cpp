@@ -1,9 +1,8 @@
-// model.cpp: maps a model file and checks all of it before anything is believed.
+// model.cpp: takes a copy of a model file and checks all of it before anything is believed.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/snow/model.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sysexits.h>
 #include <unistd.h>
@@ -14,14 +13,13 @@
 #include <charconv>
 #include <cstring>
 #include <sstream>
-#include <utility>
 
 #include "daemon/snow/model_file.h"
 
 namespace vdisp::snow {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "model files are little-endian and mapped as they are");
+static_assert(std::endian::native == std::endian::little, "model files are little-endian and used as they are");
 
 constexpr const char* smooth_names[] = {"none", "mean", "median"};
 
@@ -30,6 +28,11 @@ constexpr const char* smooth_names[] = {"none", "mean", "median"};
 }
 
 const ModelHeader& header_of(const std::byte* memory) { return *reinterpret_cast<const ModelHeader*>(memory); }
+
+struct Closing {
+  int file;
+  ~Closing() { close(file); }
+};
 
 void check_header(const std::filesystem::path& path, const std::byte* memory, size_t bytes) {
   if (bytes < model_magic.size() || std::memcmp(memory, model_magic.data(), model_magic.size()) != 0)
@@ -44,8 +47,7 @@ void check_header(const std::filesystem::path& path, const std::byte* memory, si
     wrong(path, (bytes < header.file_bytes ? "is cut off: " : "has something behind its end: ") + std::to_string(bytes) +
                     " bytes, it should have " + std::to_string(header.file_bytes));
   if (bytes < model_page + model_weights_bytes) wrong(path, "is too short for its weights");
-  if (feature_spec(header.settings.encoding).width != columns || name(header.settings.encoding) == "unknown")
-    wrong(path, "is of encoding " + std::to_string(static_cast<uint32_t>(header.settings.encoding)) + ", known are 1 to 4");
+  if (const auto text = nonsense_in(header.settings, header.obstacle, header.direction); !text.empty()) wrong(path, "no usable model: " + text);
 }
 
 std::vector<Source> sources_in(std::string_view text) {
@@ -92,45 +94,35 @@ std::string differences(const Settings& found, const Settings& wanted) {
 Model Model::open(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) throw ModelError(errno == EACCES ? EX_NOPERM : EX_NOINPUT, path.string() + ": cannot be read: " + std::strerror(errno));
+  const Closing closing{file};
   struct stat status {};
   const bool regular = fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+  const size_t bytes = regular ? static_cast<size_t>(status.st_size) : 0;
+  if (!bytes) wrong(path, regular ? "is empty, needed is a model of vdisp-train" : "is no file");
+  alignas(ModelHeader) std::array<std::byte, model_page> page{};
+  const bool begun = pread(file, page.data(), page.size(), 0) >= 0;
+  if (begun) check_header(path, page.data(), bytes);  // first: a file of any size may be named
   Model model;
   model.path_ = path;
-  model.bytes_ = regular ? static_cast<size_t>(status.st_size) : 0;
-  void* memory = model.bytes_ ? mmap(nullptr, model.bytes_, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
-  close(file);
-  if (memory == MAP_FAILED)
-    wrong(path, model.bytes_ ? "cannot be mapped" : regular ? "is empty, needed is a model of vdisp-train" : "is no file");
-  model.memory_ = static_cast<const std::byte*>(memory);
+  if (!begun || !model.copy_.fill(file, bytes)) throw ModelError(EX_NOINPUT, path.string() + ": cannot be read: " + std::strerror(errno));
 
-  check_header(path, model.memory_, model.bytes_);
-  const ModelHeader& header = header_of(model.memory_);
-  if (checksum(model.memory_ + model_page, model_weights_bytes) != header.weights_checksum)
+  const std::byte* const memory = model.copy_.data();
+  check_header(path, memory, model.copy_.size());
+  const ModelHeader& header = header_of(memory);
+  if (checksum(memory + model_page, model_weights_bytes) != header.weights_checksum)
     wrong(path, "is damaged: the checksum of its weights is wrong");
-  const std::byte* list = model.memory_ + model_page + model_weights_bytes;
-  const size_t rest = model.bytes_ - model_page - model_weights_bytes;
+  const std::byte* list = memory + model_page + model_weights_bytes;
+  const size_t rest = model.copy_.size() - model_page - model_weights_bytes;
   if (checksum(list, rest) != header.sources_checksum) wrong(path, "is damaged: the checksum of its list of recordings is wrong");
+  for (int target = 0; target < 4; ++target)
+    if (const auto text = nonsense_in(model.weights(target)); !text.empty()) wrong(path, "no usable model: " + text);
   model.sources_ = sources_in({reinterpret_cast<const char*>(list), rest});
   return model;
 }
 
-Model::Model(Model&& other) noexcept { *this = std::move(other); }
-
-Model& Model::operator=(Model&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(memory_, other.memory_);
-  std::swap(bytes_, other.bytes_);
-  std::swap(sources_, other.sources_);
-  return *this;
-}
-
-Model::~Model() {
-  if (memory_) munmap(const_cast<std::byte*>(memory_), bytes_);
-}
-
-const Settings& Model::settings() const { return header_of(memory_).settings; }
-const Trained& Model::obstacle_training() const { return header_of(memory_).obstacle; }
-const Trained& Model::direction_training() const { return header_of(memory_).direction; }
+const Settings& Model::settings() const { return header_of(copy_.data()).settings; }
+const Trained& Model::obstacle_training() const { return header_of(copy_.data()).obstacle; }
+const Trained& Model::direction_training() const { return header_of(copy_.data()).direction; }
 
 void Model::require(const Settings& wanted, const std::string& where) const {
   const std::string found = differences(settings(), wanted);
@@ -138,7 +130,7 @@ void Model::require(const Settings& wanted, const std::string& where) const {
 }
 
 std::span<const float> Model::weights(int target) const noexcept {
-  return {reinterpret_cast<const float*>(memory_ + model_page) + static_cast<size_t>(target) * vector_length, vector_length};
+  return {reinterpret_cast<const float*>(copy_.data() + model_page) + static_cast<size_t>(target) * vector_length, vector_length};
 }
 
 Model::Scores Model::obstacle(std::span<const uint32_t> ids) const noexcept {

@@ -1,4 +1,4 @@
-// model.h: a trained pair of classifiers in a file: what it was trained with, and dense weights that are mapped, not read.
+// model.h: a trained pair of classifiers in a file: what it was trained with, and dense weights that are used as they lie there.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/snow/network.h"
+#include "daemon/snow/private_copy.h"
 
 namespace vdisp::snow {
 
@@ -63,14 +64,12 @@ struct ModelParts {
 /// leaves the old one.
 void write_model(const std::filesystem::path& path, const ModelParts& parts);
 
-/// A model in a file, mapped read-only.
+/// A model that was in a file when it was opened. What becomes of the file afterwards does not matter: the bytes are a copy, and it is the
+/// copy that was checked.
 class Model {
  public:
   /// Checks magic, version, sizes and checksums of all of it. Throws ModelError.
   static Model open(const std::filesystem::path& path);
-  Model(Model&& other) noexcept;
-  Model& operator=(Model&& other) noexcept;
-  ~Model();
 
   const Settings& settings() const;
   const Trained& obstacle_training() const;   ///< first = free, second = obstacle
@@ -93,8 +92,7 @@ class Model {
  private:
   Model() = default;
   std::filesystem::path path_;
-  const std::byte* memory_ = nullptr;
-  size_t bytes_ = 0;
+  PrivateCopy copy_;
   std::vector<Source> sources_;
 };
 

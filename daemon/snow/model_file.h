@@ -30,4 +30,8 @@ uint32_t checksum(const void* bytes, size_t size);
 /// Of the page that begins with this header.
 uint32_t header_checksum(const ModelHeader& header);
 
+/// What of these numbers no training can have made, or nothing can be decided with, and what would be right; empty: nothing.
+std::string nonsense_in(const Settings& settings, const Trained& obstacle, const Trained& direction);
+std::string nonsense_in(std::span<const float> weights);
+
 }  // namespace vdisp::snow

@@ -64,11 +64,11 @@ double area_under_curve(std::span<const Judged> judged) {
 }
 
 RocPoint point_of_detection(std::span<const RocPoint> curve, double true_rate) {
-  return *std::find_if(curve.begin(), curve.end() - 1, [true_rate](const RocPoint& point) { return point.true_rate >= true_rate; });
+  return *std::find_if(curve.begin() + 1, curve.end() - 1, [true_rate](const RocPoint& point) { return point.true_rate >= true_rate; });
 }
 
 RocPoint best_point(std::span<const RocPoint> curve) {
-  return *std::max_element(curve.begin(), curve.end(),
+  return *std::max_element(curve.begin() + 1, curve.end(),
                            [](const RocPoint& a, const RocPoint& b) { return a.true_rate - a.false_rate < b.true_rate - b.false_rate; });
 }
 

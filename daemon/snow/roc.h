@@ -38,9 +38,10 @@ std::vector<RocPoint> roc_curve(std::span<const Judged> judged);
 /// Chance that a positive has the higher score of two, one of each class; equal scores count half. NaN where a class is missing.
 double area_under_curve(std::span<const Judged> judged);
 
-/// The highest threshold of the curve at which at least this part of the positives is found. The curve is not empty.
+/// The highest threshold of the curve at which at least this part of the positives is found; never the infinite one, with which nothing
+/// would ever be a positive. The curve is not empty.
 RocPoint point_of_detection(std::span<const RocPoint> curve, double true_rate);
-/// The point farthest above the diagonal. The curve is not empty.
+/// The point farthest above the diagonal, never that of the infinite threshold. The curve is not empty.
 RocPoint best_point(std::span<const RocPoint> curve);
 
 }  // namespace vdisp::snow

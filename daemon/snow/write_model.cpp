@@ -100,7 +100,13 @@ void write_model(const fs::path& path, const ModelParts& parts) {
   header.direction = parts.direction;
   header.file_bytes = model_page + model_weights_bytes + sources.size();
   uLong sum = 0;
+  const auto require = [&path](const std::string& nonsense) {
+    if (!nonsense.empty())
+      throw ModelError(EX_CONFIG, path.string() + ": is not written, nobody could use it: " + nonsense + "; train with other parameters");
+  };
+  require(nonsense_in(parts.settings, parts.obstacle, parts.direction));
   for (const auto& target : weights) {
+    require(nonsense_in(target));
     if (target.size() != vector_length) throw std::logic_error("a model has 2^21 weights for each target");
     sum = crc32_z(sum, reinterpret_cast<const Bytef*>(target.data()), target.size_bytes());
   }

@@ -149,6 +149,13 @@ class Train(unittest.TestCase):
         self.assertEqual(found.returncode, 0, found.stderr)
         self.assertEqual(json.loads(found.stdout)["encodings"]["depth-map"]["obstacle"]["confusion"]["misses"], 0)
 
+    def test_no_model_is_made_whose_numbers_decide_nothing(self):
+        line = self.refused(64, "--detection", arguments=[*self.with_, "--test", *self.apart, *FRONT, "--detection", 0])
+        self.assertIn("--help", line)
+        # Each promotion multiplies by 1e30: the second one leaves the range of a weight.
+        self.refused(64, "--alpha", arguments=[*self.with_, "--test", *self.apart, *FRONT, "--alpha", 1e30, "--theta", 1e30])
+        self.refused(78, "not written", "a weight is inf", arguments=[*self.with_, "--hold-out", 0, *FRONT, "--alpha", 1e30, "--theta", 1e30])
+
     # Splits
 
     def test_a_split_takes_whole_drives_and_depends_on_its_seed_only(self):

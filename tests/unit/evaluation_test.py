@@ -10,7 +10,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
 try:
     import numpy as np
-    from evaluation import approach, drive, map_pictures, peer_maps, recorded
+    from evaluation import approach, drive, map_pictures, peer_maps, recorded, snow
     from evaluation.daemon import Daemon
 except ImportError as missing:
     print(f"skipped: {missing}")
@@ -98,6 +98,23 @@ class Ways(unittest.TestCase):
     def test_test_worlds_have_odd_seeds(self):
         seeds = {drive.world_sets(scene, n, 0.3)["sim.seed"] % 2 for scene in drive.SCENES for n in range(12)}
         self.assertEqual(seeds, {1})
+
+    def test_light_is_from_dim_to_glaring(self):
+        lights = {drive.world_sets(scene, n, 0.3)["sim.light"] for scene in drive.SCENES for n in range(4)}
+        self.assertLessEqual(min(lights), 0.3)
+        self.assertGreaterEqual(max(lights), 3)  # as the table of parameters has it
+
+    def test_the_snow_detector_is_shown_views_of_the_size_it_was_trained_with(self):
+        sets = {**drive.world_sets("office", 0, 0.3), **drive.detector_sets("some.model")}
+        self.assertEqual((sets["sim.width"] // sets["census.scale"], sets["sim.height"] // sets["census.scale"]), (320, 240))
+        self.assertTrue(sets["snow.model"].is_absolute())  # a relative one would begin at the folder of the configuration
+        self.assertEqual(drive.detector_sets(None), {})
+
+
+class Indoor(unittest.TestCase):
+    def test_the_halves_of_the_drive_have_no_frame_in_common_and_a_gap(self):
+        approach_half, retreat_half = snow.HALVES.values()
+        self.assertGreater(retreat_half.start - approach_half.stop, 3)
 
 
 class Resume(unittest.TestCase):

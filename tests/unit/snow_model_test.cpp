@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <sysexits.h>
 
+#include <array>
+#include <cmath>
 #include <fstream>
+#include <functional>
+#include <limits>
 
 #include "daemon/snow/model.h"
 #include "daemon/snow/model_file.h"
@@ -78,6 +82,27 @@ TEST_F(ModelFile, holds_what_was_written) {
   EXPECT_EQ(reinterpret_cast<uintptr_t>(model.weights(0).data()) % 4096, 0u);
 }
 
+// cp onto the file of a running daemon truncates and then overwrites what it reads from.
+TEST_F(ModelFile, that_is_open_stays_as_it_was_checked_whatever_becomes_of_its_file) {
+  const Model model = Model::open(file_);
+  const uint32_t ids[] = {1309489, 100003};
+  Weights others;
+  for (auto& weights : others.of) std::fill(weights.begin(), weights.end(), 7.f);
+  ModelParts parts = parts_of(others);
+  parts.obstacle.winnow.theta = 5;
+  write_model(folder_ / "b.model", parts);
+  {
+    std::ifstream from(folder_ / "b.model", std::ios::binary);
+    std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary) << from.rdbuf();  // the same inode
+  }
+  EXPECT_DOUBLE_EQ(model.obstacle(ids).first, 0.125 + 100003 % 97 + 1);
+  EXPECT_EQ(model.obstacle_training().winnow.theta, 2);
+  fs::resize_file(file_, 0);
+  EXPECT_DOUBLE_EQ(model.direction(ids).second, 0.5 + 4 * (100003 % 97 + 1));
+  EXPECT_EQ(model.settings(), parts.settings);
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::equal(weights_.of[i].begin(), weights_.of[i].end(), model.weights(i).begin())) << i;
+}
+
 TEST_F(ModelFile, same_parts_give_the_same_bytes_and_leave_nothing_else) {
   write_model(folder_ / "b.model", parts_of(weights_));
   const auto bytes = [](const fs::path& path) {
@@ -122,6 +147,70 @@ TEST_F(ModelFile, is_refused_cut_off_anywhere_or_with_more_behind_it) {
   }
   fs::resize_file(file_, 0);
   EXPECT_NE(complaint().find("is empty"), std::string::npos);
+}
+
+/// Changes the header, with the checksum that belongs to it.
+template <class Change>
+void rewrite_header(const fs::path& path, const Change& change) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  alignas(ModelHeader) std::array<char, model_page> page;
+  file.read(page.data(), page.size());
+  auto& header = *reinterpret_cast<ModelHeader*>(page.data());
+  change(header);
+  header.header_checksum = header_checksum(header);
+  file.seekp(0).write(page.data(), page.size());
+}
+
+TEST_F(ModelFile, is_refused_with_numbers_that_decide_nothing_whatever_its_checksums_say) {
+  const double infinite = std::numeric_limits<double>::infinity(), nan = std::nan("");
+  const std::function<void(ModelHeader&)> changes[] = {
+      [](ModelHeader& h) { h.obstacle.winnow.theta = 0; },
+      [](ModelHeader& h) { h.direction.winnow.theta = -1; },
+      [=](ModelHeader& h) { h.obstacle.winnow.theta = nan; },
+      [=](ModelHeader& h) { h.direction.winnow.theta = infinite; },
+      [=](ModelHeader& h) { h.obstacle.sensitivity = infinite; },
+      [=](ModelHeader& h) { h.direction.sensitivity = nan; },
+      [=](ModelHeader& h) { h.obstacle.winnow.initial = nan; },
+      [](ModelHeader& h) { h.settings.width = 0; },
+      [](ModelHeader& h) { h.settings.height = 0; },
+      [](ModelHeader& h) { h.settings.disparities = 0; },
+      [](ModelHeader& h) { h.settings.block = 8; },
+      [](ModelHeader& h) { h.settings.smooth = static_cast<Smooth>(3); },
+      [](ModelHeader& h) { h.settings.encoding = static_cast<Encoding>(5); },
+      [=](ModelHeader& h) { h.settings.confidence = nan; },
+  };
+  ModelHeader whole;
+  rewrite_header(file_, [&](ModelHeader& h) { whole = h; });
+  for (const auto& change : changes) {
+    rewrite_header(file_, [&](ModelHeader& h) { change(h = whole); });
+    EXPECT_NE(complaint().find("no usable model: "), std::string::npos) << &change - changes << ": " << complaint();
+  }
+  rewrite_header(file_, [&](ModelHeader& h) { h = whole, h.obstacle.auc = std::nan(""); });  // nothing was held apart
+  EXPECT_EQ(complaint(), "");
+}
+
+TEST_F(ModelFile, with_a_weight_that_is_no_number_from_0_on_is_neither_read_nor_written) {
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), -1.f}) {
+    write_model(file_, parts_of(weights_));
+    {
+      std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary)
+          .seekp(model_page + 3 * sizeof bad)
+          .write(reinterpret_cast<const char*>(&bad), sizeof bad);
+    }
+    Weights changed = weights_;
+    changed.of[0][3] = bad;
+    uint32_t sum = 0;
+    {
+      std::ifstream file(file_, std::ios::binary);
+      std::vector<char> bytes(model_weights_bytes);
+      file.seekg(model_page).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      sum = checksum(bytes.data(), bytes.size());
+    }
+    rewrite_header(file_, [sum](ModelHeader& header) { header.weights_checksum = sum; });
+    EXPECT_NE(complaint().find("no usable model: a weight is "), std::string::npos) << complaint();
+    EXPECT_THROW(write_model(file_, parts_of(changed)), ModelError);
+    EXPECT_NE(complaint(), "") << "the old one is still there";
+  }
 }
 
 TEST_F(ModelFile, of_another_version_says_which) {

@@ -270,5 +270,11 @@ TEST(Roc, a_point_of_the_curve_is_what_its_threshold_gives) {
   EXPECT_DOUBLE_EQ(best_point(curve).threshold, 1);  // 1 - 0.5 is the most, as 1/3 - 0 and 2/3 - 1/2 are less
 }
 
+TEST(Roc, no_chosen_point_has_the_infinite_threshold) {
+  const auto curve = roc_curve(std::vector<Judged>{{1, true}, {2, false}, {3, false}});  // worse than chance
+  EXPECT_DOUBLE_EQ(point_of_detection(curve, 0).threshold, 3);
+  EXPECT_TRUE(std::isfinite(best_point(curve).threshold));
+}
+
 }  // namespace
 }  // namespace vdisp::snow

@@ -87,7 +87,7 @@ void add_train(CLI::App* sub, Options& options) {
   sub->add_option("--direction-sensitivity", options.direction_sensitivity,
                   "Added to left - right, part of theta: more goes left more often [0]");
   sub->add_option("--detection", options.detection, "Choose the obstacle sensitivity that finds this part of the obstacles held apart")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(CLI::Range(1e-6, 1.0))
       ->excludes(fixed);
   sub->add_flag("--obstacle-only", options.obstacle_only, "Train no direction classifier, where labels say only that something is there");
   sub->add_flag("--compare", options.compare, "Train the other encodings too, and show them in tables and plots");

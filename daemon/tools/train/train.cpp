@@ -89,7 +89,7 @@ Judged judged(const Drives& drives, const FeatureTable& table, const Job& job, C
   return result;
 }
 
-std::string text_of(const Drives& drives, size_t blind) {
+std::string text_of(const Drives& drives, const FeatureTable& table) {
   const Classes with = drives.classes(false), apart = drives.classes(true);
   std::string text;
   for (const auto& [what, classes, count] :
@@ -97,20 +97,27 @@ std::string text_of(const Drives& drives, size_t blind) {
     text += std::string(what) + ": " + counted(count, "drive") + ", " + std::to_string(classes.forward) + " pairs forward, " +
             std::to_string(classes.left) + " left, " + std::to_string(classes.right) + " right\n";
   if (drives.unlabelled) text += "left out: " + std::to_string(drives.unlabelled) + " pairs without label\n";
-  if (blind) text += "left out: " + std::to_string(blind) + " pairs with which the daemon would be blind\n";
+  if (const size_t blind = table.blind_count()) {
+    const size_t apart_blind = apart.all() - table.numbers(drives, true).size();
+    text += "left out: " + std::to_string(blind) + " pairs with which the daemon would be blind";
+    text += (apart_blind ? ", " + std::to_string(apart_blind) + " of them held apart" : "") + "\n";
+  }
   if (drives.cut_off) text += "left out: " + std::to_string(drives.cut_off) + " pairs or lines that were cut off\n";
   return text;
 }
 
-nlohmann::json json_of(const Drives& drives, size_t blind) {
+nlohmann::json json_of(const Drives& drives, const FeatureTable& table) {
   nlohmann::json json;
   for (const bool apart : {false, true}) {
     const Classes classes = drives.classes(apart);
-    json[apart ? "held_apart" : "trained_with"] = {
-        {"drives", drives.count(apart)}, {"forward", classes.forward}, {"left", classes.left}, {"right", classes.right}};
+    json[apart ? "held_apart" : "trained_with"] = {{"drives", drives.count(apart)},
+                                                   {"forward", classes.forward},
+                                                   {"left", classes.left},
+                                                   {"right", classes.right},
+                                                   {"blind", classes.all() - table.numbers(drives, apart).size()}};
   }
   json["unlabelled"] = drives.unlabelled;
-  json["blind"] = blind;
+  json["blind"] = table.blind_count();
   return json;
 }
 
@@ -124,9 +131,9 @@ std::string keys_of(const snow::Settings& settings) {
   return text.str();
 }
 
-void tell(const Options& options, const Plan& plan, const Drives& drives, size_t blind, const std::vector<Judged>& all) {
+void tell(const Options& options, const Plan& plan, const Drives& drives, const FeatureTable& table, const std::vector<Judged>& all) {
   if (options.json) {
-    nlohmann::json json = json_of(drives, blind);
+    nlohmann::json json = json_of(drives, table);
     json["model"] = options.output;
     for (const Judged& one : all) {
       json["encodings"][one.encoding] = {{"obstacle", json_of(one.obstacle)}, {"direction", json_of(one.direction)}};
@@ -135,7 +142,7 @@ void tell(const Options& options, const Plan& plan, const Drives& drives, size_t
     std::cout << json.dump(2) << '\n';
     return;
   }
-  std::cout << text_of(drives, blind);
+  std::cout << text_of(drives, table);
   for (const Judged& one : all)
     if (drives.count(true)) std::cout << "\n" << one.encoding << "\n" << text_of(one.obstacle) << text_of(one.direction);
   std::cout << "\nmodel: " << options.output << "\n" << keys_of(plan.settings);
@@ -165,7 +172,7 @@ int train(const Options& options) {
   });
   save(options.output, plan.settings, *chosen, drives);
   if (!options.plots.empty() && drives.count(true)) write_plots(options.plots, all);
-  tell(options, plan, drives, table.blind_count(), all);
+  tell(options, plan, drives, table, all);
   return EX_OK;
 }
 
