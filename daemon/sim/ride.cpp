@@ -11,7 +11,7 @@ Ride::Ride(const sim_section& parameters, const World& world)
            : parameters.drive == "command" ? Who::command
                                            : Who::nobody),
       seconds_(static_cast<double>(frame_period_ns(parameters)) * 1e-9),
-      plan_(world.objects, world.panes, world.walkers.size()),
+      plan_(world.objects, world.panes, world.walkers.size(), static_cast<uint32_t>(parameters.seed)),
       reach_(plan_, {}, world.middle, world.extent, refuge_room),
       people_(world.walkers),
       expert_(static_cast<uint64_t>(parameters.seed), parameters.exploration),

@@ -9,6 +9,7 @@
 #include "daemon/core/driver.h"
 #include "daemon/sim/objects.h"
 #include "daemon/sim/renderer.h"
+#include "daemon/sim/shapes.h"
 #include "daemon/sources/sim.h"
 
 namespace vdisp::sim {
@@ -61,6 +62,65 @@ TEST(Footprint, a_strip_ahead_ends_at_the_first_thing_in_it) {
   EXPECT_EQ(box.ahead({0, 5}, towards(0), 0.35, 9), 9) << "behind";
   EXPECT_EQ(Footprint({0.3, 0}, 0.2, 4, 0).ahead({0, 0}, towards(0), 0.25, 9), 0) << "beside the spot itself";
   EXPECT_NEAR(box.ahead({0, 0}, towards(-std::atan2(0.5, 3)), 0.05, 9), std::hypot(0.5, 3) - 0.2, 0.02);
+}
+
+/// What is drawn of an object between the height that wheels climb and the robot's top, sampled along all edges; ground at 0.
+std::vector<Spot> drawn(const SceneObject& o, uint32_t seed) {
+  const Mesh mesh = shape(o, 0, seed);
+  std::vector<Spot> spots;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const float* a = &mesh.vertices[mesh.triangles[i] * 3];
+    const float* b = &mesh.vertices[mesh.triangles[i % 3 == 2 ? i - 2 : i + 1] * 3];
+    for (int k = 0; k <= 20; ++k) {
+      const auto at = [&](int axis) { return a[axis] + (b[axis] - a[axis]) * static_cast<float>(k) / 20; };
+      if (-at(1) >= Robot::climbs && -at(1) <= Robot::height) spots.push_back({at(0), at(2)});
+    }
+  }
+  return spots;
+}
+
+TEST(FloorPlan, what_is_drawn_is_solid_and_what_is_solid_is_drawn) {
+  for (const char* scene : scenes)
+    for (int seed : {2, 3, 301}) {
+      const World world = make_world(parameters(scene, seed, "command"));
+      const FloorPlan plan(world.objects, {}, 0, static_cast<uint32_t>(seed));
+      double farthest = 0, widest = 0;
+      size_t thing = 0;
+      for (size_t i = 0; i < world.objects.size(); ++i) {
+        const SceneObject& o = world.objects[i];
+        if (o.bottom >= Robot::height || o.height <= Robot::climbs) continue;
+        const Footprint& outline = plan.things()[thing++].outline;
+        const std::vector<Spot> spots = drawn(o, bumps(static_cast<uint32_t>(seed), i));
+        for (const Spot& spot : spots) farthest = std::max(farthest, outline.gap(spot));
+        if (o.kind != ObjectKind::rock) continue;
+        for (int k = 0; k < 64; ++k) {
+          const Spot along = towards(k * M_PI / 32);
+          const auto reach = [&](const auto& list) {
+            double most = -1e9;
+            for (const Spot& p : list) most = std::max(most, p.x * along.x + p.z * along.z);
+            return most;
+          };
+          widest = std::max(widest, (reach(outline) - reach(spots)) / std::max(o.width, o.depth));
+        }
+      }
+      EXPECT_EQ(thing, plan.things().size());
+      EXPECT_LT(farthest, 1e-5) << scene << " " << seed << ": m that something is drawn beyond its outline";
+      EXPECT_LT(widest, 0.03) << scene << " " << seed << ": of a rock's width, that its outline is wider than the rock";
+    }
+}
+
+TEST(FloorPlan, people_are_as_wide_as_they_are_drawn) {
+  People people({{{{0, 0}, {0, 20}}, 1, 0, 100}});
+  std::vector<SceneObject> figures(People::parts);
+  double reach = 0;
+  for (int i = 0; i < 100; ++i) {
+    people.step(0.03, {9, 9});
+    people.draw(figures);
+    for (const SceneObject& part : figures)
+      for (const Spot& spot : drawn(part, 0)) reach = std::max(reach, distance(spot, people.spots()[0]));
+  }
+  EXPECT_GT(reach, 0.25);
+  EXPECT_LT(reach, FloorPlan::girth / 2);
 }
 
 TEST(Robot, wheels_speed_up_and_brake_as_their_limits_say) {
@@ -194,7 +254,7 @@ TEST(Worlds, have_no_way_out_and_room_to_drive) {
       sim_section asked = parameters(scene, seed, "command");
       asked.glass = seed % 3 == 0;
       const World world = make_world(asked);
-      const FloorPlan plan(world.objects, world.panes, 0);
+      const FloorPlan plan(world.objects, world.panes, 0, static_cast<uint32_t>(seed));
       // A robot that squeezes through whatever is wider than it.
       const Reach reach(plan, {}, world.middle, world.extent + 1, Robot::side / 2);
       EXPECT_FALSE(reach.open()) << scene << " " << seed;
