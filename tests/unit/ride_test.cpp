@@ -172,8 +172,11 @@ TEST(Ride, a_wall_is_hit_where_the_robots_front_meets_it_and_counted_once) {
   ride_.step(ahead);
   EXPECT_FALSE(ride_.report().collided);
   EXPECT_EQ(ride_.report().collisions, 1u);
-  EXPECT_GE(ride_.plan().gap(ride_.robot().spot, 9), Ride::refuge_room - 0.1) << "put back where there is room";
+  EXPECT_GE(ride_.plan().gap(ride_.robot().spot, 9), Ride::refuge_room) << "put back where there is room";
   EXPECT_GT(std::abs(ride_.report().yaw), 1) << "and turned away";
+  EXPECT_EQ(ride_.report().speed, 0) << "at rest: the order was made of the picture before";
+  ride_.step(ahead);
+  EXPECT_GT(ride_.report().speed, 0);
 }
 
 TEST(Ride, glass_is_solid_and_pebbles_are_not) {
@@ -226,6 +229,44 @@ TEST(Ride, without_progress_it_is_stuck_and_goes_on_elsewhere) {
   ride_.step(Order{});
   EXPECT_GT(distance(ride_.robot().spot, {}), 0.5);
   EXPECT_EQ(ride_.report().travelled, 0) << "being put somewhere is no way travelled";
+}
+
+/// What somebody stands on who walks so slowly that he is there all the time.
+Walker stands(double x, double z) { return {{{x, z}, {x, z + 0.001}}, 1e-6, 0, 100}; }
+
+TEST(Ride, is_put_back_where_nobody_stands_or_waits_until_there_is_room) {
+  // A person walks up behind the robot and stays on the only place it can be put back to.
+  Ride ride_ = ride({wall(0, 0.9, 6)}, {{{{0, -3}, {0, 40}}, 0.9, 0, 100}});
+  int frames = 0, waited = 0;
+  while (ride_.report().collisions == 0 && ++frames < 300) ride_.step(frames < 24 ? Order{} : ahead);
+  ASSERT_STREQ(ride_.report().met, "wall");
+  ASSERT_LT(ride_.plan().gap(Spot{}, 9), Ride::refuge_room) << "the place behind is taken";
+  const double hit = ride_.robot().spot.z;
+  while (ride_.robot().spot.z == hit && ++waited < 300) {
+    ride_.step(ahead);
+    EXPECT_EQ(ride_.report().collisions, 1u) << "while it waits it does nothing";
+    EXPECT_EQ(ride_.report().speed, 0);
+  }
+  EXPECT_GT(waited, 1);
+  ASSERT_LT(waited, 300) << "people who stand before it walk back";
+  EXPECT_GE(ride_.plan().gap(ride_.robot().spot, 9), Ride::refuge_room);
+}
+
+TEST(Ride, a_stuck_robot_goes_on_where_nobody_stands) {
+  // A closet in which few places have room, and people on most of them.
+  std::vector<SceneObject> walls{wall(0, 0.8, 3.4), wall(0, -0.8, 3.4), wall(-1.7, 0, 0.2, 3.4), wall(1.7, 0, 0.2, 3.4)};
+  Ride freed = ride(walls, {stands(0.9, 0)});
+  for (int i = 0; i < 3300; ++i) {
+    const Spot before = freed.robot().spot;
+    freed.step(Order{});
+    if (distance(before, freed.robot().spot) > 0) {
+      EXPECT_GE(freed.plan().gap(freed.robot().spot, 9), Ride::refuge_room);
+    }
+  }
+  EXPECT_EQ(freed.report().stuck_times, 10u);
+  Ride full = ride(walls, {stands(-0.9, 0), stands(0, 0), stands(0.9, 0)});
+  for (int i = 0; i < 650; ++i) full.step(Order{});
+  EXPECT_EQ(distance(full.robot().spot, {}), 0) << "with no room anywhere it stays where it is";
 }
 
 TEST(Expert, turns_where_something_is_near_to_the_side_that_is_open) {
