@@ -290,8 +290,11 @@ TEST(Expert, keeps_its_direction_until_the_way_is_free) {
 }
 
 TEST(Worlds, have_no_way_out_and_room_to_drive) {
+  std::vector<int> seeds{103, 105, 107, 301, 303, 305, 307};
+  for (int seed = 1; seed <= 16; ++seed) seeds.push_back(seed);
+  for (int seed = 201; seed <= 223; seed += 2) seeds.push_back(seed);
   for (const char* scene : scenes)
-    for (int seed = 1; seed <= 16; ++seed) {
+    for (const int seed : seeds) {
       sim_section asked = parameters(scene, seed, "command");
       asked.glass = seed % 3 == 0;
       const World world = make_world(asked);
