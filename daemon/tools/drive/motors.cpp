@@ -49,6 +49,7 @@ void Motors::read(int64_t now_ns) {
 bool Motors::say(const Phrase& phrase, const Motion& motion, int64_t now_ns) {
   char text[longest_command];
   const size_t bytes = phrase.fill(motion, text);
+  if (bytes == 0 && !phrase.empty()) return false;
   const Port::Sent sent = port_.send({text, bytes}, now_ns);
   if (sent == Port::Sent::lost) ++tally_.port_lost;
   return sent == Port::Sent::yes;
