@@ -248,6 +248,20 @@ class Drive(ProgramTest):
                 self.assertLess(max(next(w for w in others if w != (0, 0))), 60)
             self.says("is open again")
 
+    def test_a_stop_is_heard_behind_half_a_command(self):
+        for sets in ({}, {"stopDeceleration": 1}):
+            self.controller.unplug()
+            self.controller.kept = b"!M 300 3"
+            with drive(self.controller.port, rate=1, **sets) as self.link:
+                self.says("motors stopped")
+                begin = time.monotonic()
+                self.controller.plug()
+                self.assertTrue(wait_until(lambda: self.controller.since(begin)))
+                first = self.controller.since(begin)[0]
+                self.assertEqual(first[1], "!M 300 3!M 0 0")
+                self.assertTrue(wait_until(lambda: len(self.controller.since(begin)) > 1, LIMIT), "one stop, and that was swallowed")
+                self.assertEqual(self.controller.since(begin)[1][1], "!M 0 0")
+
     def test_a_port_with_modem_lines_is_opened_by_libserialport_and_works_alike(self):
         shim = {**os.environ, "LD_PRELOAD": str(BIN / "vdisp_modem_lines.so")}
         traced = subprocess.run(["ldd", BIN / "vdisp-drive"], capture_output=True, text=True).stdout
