@@ -6,6 +6,7 @@
 
 #include "daemon/sim/robot.h"
 #include "daemon/sim/scene.h"
+#include "daemon/sim/shapes.h"
 
 namespace vdisp::sim {
 namespace {
@@ -23,10 +24,12 @@ const char* word(ObjectKind kind) {
 
 }  // namespace
 
-FloorPlan::FloorPlan(std::span<const SceneObject> objects, std::span<const SceneObject> panes, size_t people) {
-  for (const SceneObject& o : objects)
-    if (o.bottom < Robot::height && o.height > Robot::climbs) things_.push_back({Footprint(o), word(o.kind)});
-  for (const SceneObject& o : panes) things_.push_back({Footprint(o), "glass"});
+FloorPlan::FloorPlan(std::span<const SceneObject> objects, std::span<const SceneObject> panes, size_t people, uint32_t seed) {
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const SceneObject& o = objects[i];
+    if (o.bottom < Robot::height && o.height > Robot::climbs) things_.push_back({covered(o, bumps(seed, i)), word(o.kind)});
+  }
+  for (const SceneObject& o : panes) things_.push_back({covered(o, 0), "glass"});
   first_person_ = things_.size();
   constexpr Spot nowhere{1e6, 1e6};  // until they are placed
   for (size_t i = 0; i < people; ++i) things_.push_back({Footprint::disc(nowhere, girth / 2), "person"});

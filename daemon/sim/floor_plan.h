@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,16 +10,18 @@
 
 namespace vdisp::sim {
 
+struct SceneObject;
+
 class FloorPlan {
  public:
   struct Thing {
     Footprint outline;
     const char* what;
   };
-  static constexpr double girth = 0.5;  ///< m, of people
+  static constexpr double girth = 0.64;  ///< m, of people: as far as their legs swing
 
-  /// What a robot neither rolls over nor drives under; panes of glass are as solid as the rest.
-  FloorPlan(std::span<const SceneObject> objects, std::span<const SceneObject> panes, size_t people);
+  /// What a robot neither rolls over nor drives under, as a scene of this seed draws it; panes of glass are as solid as the rest.
+  FloorPlan(std::span<const SceneObject> objects, std::span<const SceneObject> panes, size_t people, uint32_t seed);
   /// Where they are now. As many as were announced.
   void place_people(std::span<const Spot> spots);
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "daemon/sim/scene.h"
-
 namespace vdisp::sim {
 namespace {
+
+constexpr double step = 2 * M_PI / Footprint::most;  // rad from side to side
 
 double cross(const Spot& a, const Spot& b, const Spot& c) { return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x); }
 
@@ -18,13 +18,6 @@ double to_segment(const Spot& p, const Spot& a, const Spot& b) {
 }
 
 }  // namespace
-
-Footprint::Footprint(const SceneObject& o) {
-  if (o.kind == ObjectKind::post || o.kind == ObjectKind::rock)
-    round({o.x, o.z}, o.width, o.depth, o.yaw);
-  else
-    *this = Footprint({o.x, o.z}, o.width, o.depth, o.yaw);
-}
 
 Footprint::Footprint(const Spot& middle, double width, double depth, double heading) : middle_(middle), count_(4) {
   const double c = std::cos(heading), s = std::sin(heading);
@@ -38,19 +31,40 @@ Footprint::Footprint(const Spot& middle, double width, double depth, double head
 
 Footprint Footprint::disc(const Spot& middle, double radius) {
   Footprint disc;
-  disc.round(middle, 2 * radius, 2 * radius, 0);
+  disc.middle_ = middle;
+  std::array<double, most> reach;
+  reach.fill(radius);
+  disc.enclose(reach);
   return disc;
 }
 
-void Footprint::round(const Spot& middle, double width, double depth, double turn) {
-  const double c = std::cos(turn), s = std::sin(turn);
-  middle_ = middle;
-  radius_ = std::max(width, depth) / 2;
-  count_ = most;
+Footprint Footprint::around(const Spot& middle, std::span<const Spot> points) {
+  Footprint all;
+  all.middle_ = middle;
+  std::array<double, most> reach;
+  reach.fill(-INFINITY);
   for (int i = 0; i < most; ++i) {
-    const double angle = 2 * M_PI * i / most, a = std::cos(angle) * width / 2, b = std::sin(angle) * depth / 2;
-    corners_[static_cast<size_t>(i)] = {middle.x + c * a - s * b, middle.z + s * a + c * b};
+    const double angle = step * i, c = std::cos(angle), s = std::sin(angle);
+    double& far = reach[static_cast<size_t>(i)];
+    for (const Spot& p : points) far = std::max(far, c * (p.x - middle.x) + s * (p.z - middle.z));
   }
+  all.enclose(reach);
+  return all;
+}
+
+/// Between the lines across each direction, as far from the middle as `reach` says: neighbours meet in a corner.
+void Footprint::enclose(const std::array<double, most>& reach) {
+  // Where both touch the same point there is no side between them, and a side without length has no direction.
+  constexpr double same = 1e-6;  // m
+  for (int i = 0; i < most; ++i) {
+    const double here = reach[static_cast<size_t>(i)], next = reach[static_cast<size_t>((i + 1) % most)], angle = step * i;
+    const double aside = (next - here * std::cos(step)) / std::sin(step), c = std::cos(angle), s = std::sin(angle);
+    const Spot corner{middle_.x + c * here - s * aside, middle_.z + s * here + c * aside};
+    if (count_ > 0 && distance(corner, corners_[static_cast<size_t>(count_) - 1]) < same) continue;
+    corners_[static_cast<size_t>(count_++)] = corner;
+    radius_ = std::max(radius_, distance(corner, middle_));
+  }
+  while (count_ > 1 && distance(corners_[static_cast<size_t>(count_) - 1], corners_[0]) < same) --count_;
 }
 
 bool Footprint::holds(const Spot& spot) const {

@@ -4,10 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace vdisp::sim {
-
-struct SceneObject;
 
 /// A place on the ground, world frame: x right, z ahead.
 struct Spot {
@@ -19,11 +18,12 @@ inline Spot towards(double heading) { return {-std::sin(heading), std::cos(headi
 
 class Footprint {
  public:
-  static constexpr int most = 12;
-  /// A rectangle; of what is round a polygon whose corners lie on the round.
-  explicit Footprint(const SceneObject& object);
+  static constexpr int most = 32;
   /// A rectangle across and along a heading.
   Footprint(const Spot& middle, double width, double depth, double heading);
+  /// What holds all the points: sides at equal angles, each of which touches one. Half a percent of its radius larger than their hull at
+  /// most.
+  static Footprint around(const Spot& middle, std::span<const Spot> points);
   static Footprint disc(const Spot& middle, double radius);
 
   const Spot& middle() const { return middle_; }
@@ -42,7 +42,7 @@ class Footprint {
 
  private:
   Footprint() = default;
-  void round(const Spot& middle, double width, double depth, double turn);
+  void enclose(const std::array<double, most>& reach);
   bool apart(const Footprint& other) const;
 
   Spot middle_;

@@ -11,31 +11,29 @@ Ride::Ride(const sim_section& parameters, const World& world)
            : parameters.drive == "command" ? Who::command
                                            : Who::nobody),
       seconds_(static_cast<double>(frame_period_ns(parameters)) * 1e-9),
-      plan_(world.objects, world.panes, world.walkers.size()),
+      plan_(world.objects, world.panes, world.walkers.size(), static_cast<uint32_t>(parameters.seed)),
       reach_(plan_, {}, world.middle, world.extent, refuge_room),
       people_(world.walkers),
       expert_(static_cast<uint64_t>(parameters.seed), parameters.exploration),
       chance_(static_cast<uint64_t>(parameters.seed) + 0x57ac4) {
   plan_.place_people(people_.spots());
   expert_.judge(plan_, robot_, 0);
-  tell(false, false);
+  tell();
 }
 
 void Ride::step(const Order& order) {
-  const std::vector<Spot>& places = reach_.places();
-  if (free_again_ && !places.empty()) put(places[static_cast<size_t>(chance_.below(static_cast<int>(places.size())))]);
-  if (put_back_) put(refuge_);
-  free_again_ = put_back_ = false;
   people_.step(seconds_, robot_.spot);
   plan_.place_people(people_.spots());
-  switch (who_) {
-    case Who::nobody: break;
-    case Who::expert: move(expert_.drive(plan_, robot_, seconds_)); break;
-    case Who::command: move(order); break;
+  report_.collided = report_.stuck = false;
+  // An order is made of the picture before: it does not count where the robot is put somewhere else.
+  if (due_ != Due::nothing)
+    put();
+  else if (who_ != Who::nobody) {
+    move(who_ == Who::expert ? expert_.drive(plan_, robot_, seconds_) : order);
+    watch_progress();
   }
-  if (who_ != Who::nobody) watch_progress();
   expert_.judge(plan_, robot_, seconds_);
-  tell(put_back_, free_again_);
+  tell();
 }
 
 /// A collision ends the frame's motion at the last place before it; from there it is put back in the next.
@@ -50,7 +48,8 @@ void Ride::move(const Order& order) {
     if (met) {
       robot_ = before;
       robot_.stop();
-      put_back_ = true;
+      due_ = Due::refuge;
+      report_.collided = true;
       ++report_.collisions;
       report_.met = met->what;
       return;
@@ -60,20 +59,39 @@ void Ride::move(const Order& order) {
 }
 
 void Ride::watch_progress() {
-  if (!put_back_ && plan_.gap(robot_.spot, refuge_room) >= refuge_room) refuge_ = robot_.spot;
+  if (due_ == Due::nothing && has_room(robot_.spot)) refuge_ = robot_.spot;
   unmoved_ += seconds_;
   if (distance(robot_.spot, anchor_) > stuck_within) {
     anchor_ = robot_.spot;
     unmoved_ = 0;
   }
   if (unmoved_ < stuck_after) return;
-  free_again_ = true;
+  due_ = Due::anywhere;
   unmoved_ = 0;
+  report_.stuck = true;
   ++report_.stuck_times;
+}
+
+bool Ride::has_room(const Spot& spot) const { return plan_.gap(spot, refuge_room) >= refuge_room; }
+
+/// Where people stand there is no room now: it waits.
+void Ride::put() {
+  if (due_ == Due::refuge) {
+    if (has_room(refuge_)) put(refuge_);
+    return;
+  }
+  const std::vector<Spot>& places = reach_.places();
+  if (places.empty()) due_ = Due::nothing;
+  const size_t first = static_cast<size_t>(chance_.below(static_cast<int>(places.size())));
+  for (size_t i = 0; i < places.size() && due_ != Due::nothing; ++i) {
+    const Spot& spot = places[(first + i) % places.size()];
+    if (has_room(spot)) put(spot);
+  }
 }
 
 /// At rest, and turned to where the way is longest.
 void Ride::put(const Spot& spot) {
+  due_ = Due::nothing;
   robot_ = Robot();
   robot_.spot = anchor_ = spot;
   unmoved_ = 0;
@@ -87,7 +105,7 @@ void Ride::put(const Spot& spot) {
   }
 }
 
-void Ride::tell(bool collided, bool stuck) {
+void Ride::tell() {
   const Expert::Judgement& judgement = expert_.judgement();
   report_.x = robot_.spot.z;
   report_.y = -robot_.spot.x;
@@ -95,8 +113,6 @@ void Ride::tell(bool collided, bool stuck) {
   report_.speed = robot_.speed();
   report_.turn_rate = robot_.turn_rate();
   report_.clearance = plan_.gap(robot_.outline(), 5);
-  report_.collided = collided;
-  report_.stuck = stuck;
   report_.steering = judgement.steering;
   report_.clearness = judgement.clearness;
   report_.since_s = judgement.since;

@@ -29,9 +29,11 @@ class Ride {
 
  private:
   void move(const Order& order);
+  bool has_room(const Spot& spot) const;
+  void put();
   void put(const Spot& spot);
   void watch_progress();
-  void tell(bool collided, bool stuck);
+  void tell();
 
   enum class Who { nobody, expert, command } who_;
   double seconds_;  ///< from frame to frame
@@ -42,9 +44,9 @@ class Ride {
   Expert expert_;
   Chance chance_;
   RobotReport report_{};
-  Spot refuge_, anchor_;                        ///< the last place with room; where it was when it last made progress
-  double unmoved_ = 0;                          ///< s since then
-  bool put_back_ = false, free_again_ = false;  ///< at the next step: to the refuge, to any place
+  Spot refuge_, anchor_;                                             ///< the last place with room; where it was when it last made progress
+  double unmoved_ = 0;                                               ///< s since then
+  enum class Due { nothing, refuge, anywhere } due_ = Due::nothing;  ///< where it is put as soon as there is room
 };
 
 }  // namespace vdisp::sim

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "daemon/sim/chance.h"
+#include "daemon/sim/robot.h"
 
 namespace vdisp::sim {
 namespace {
@@ -95,6 +96,26 @@ Mesh rock(const SceneObject& o, double ground, uint32_t seed) {
 Mesh shape(const SceneObject& o, double ground, uint32_t seed) {
   if (o.kind == ObjectKind::post) return post(o, ground);
   return o.kind == ObjectKind::rock ? rock(o, ground, seed) : box(o, ground);
+}
+
+uint32_t bumps(uint32_t scene_seed, size_t index) { return scramble(scene_seed * 977 + static_cast<uint32_t>(index)); }
+
+Footprint covered(const SceneObject& o, uint32_t seed) {
+  if (o.kind != ObjectKind::post && o.kind != ObjectKind::rock) return {{o.x, o.z}, o.width, o.depth, o.yaw};
+  const Mesh mesh = shape(o, 0, seed);
+  const double least = o.height > Robot::climbs ? Robot::climbs : 0;
+  std::vector<Spot> points;
+  const auto cut = [&](const float* a, const float* b) {
+    const double low = -a[1], high = -b[1];
+    if (std::max(low, high) < least || std::min(low, high) > Robot::height) return;
+    for (const double up : {std::clamp(low, least, Robot::height), std::clamp(high, least, Robot::height)}) {
+      const double part = high == low ? 0 : (up - low) / (high - low);
+      points.push_back({a[0] + part * (b[0] - a[0]), a[2] + part * (b[2] - a[2])});
+    }
+  };
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    cut(&mesh.vertices[mesh.triangles[i] * 3], &mesh.vertices[mesh.triangles[i % 3 == 2 ? i - 2 : i + 1] * 3]);
+  return Footprint::around({o.x, o.z}, points);
 }
 
 std::vector<Corners> boxes_around(const SceneObject& o, double ground) {

@@ -59,7 +59,7 @@ struct RobotReport {
   double speed, turn_rate;
   double clearance;      ///< between it and the nearest thing, at most 5
   double travelled;      ///< since the start
-  bool collided, stuck;  ///< in the time to this frame; in the next it is put where there is room
+  bool collided, stuck;  ///< in the time to this frame; then it is put where there is room, and waits for that if people stand there
   uint64_t collisions, stuck_times;
   const char* met;    ///< what it ran into last; null: nothing yet
   Steering steering;  ///< the expert's, as in Decision

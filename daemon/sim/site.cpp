@@ -7,6 +7,7 @@
 #include "daemon/sim/floor_plan.h"
 #include "daemon/sim/objects.h"
 #include "daemon/sim/reach.h"
+#include "daemon/sim/shapes.h"
 
 namespace vdisp::sim {
 namespace {
@@ -25,8 +26,8 @@ void carry(SceneObject& o, const Spot& by, double heading) {
 }
 
 /// People walk between places far apart, and begin far from the robot.
-void invite(World& world, Chance& chance, int people) {
-  const FloorPlan plan(world.objects, world.panes, 0);
+void invite(World& world, Chance& chance, int people, uint32_t seed) {
+  const FloorPlan plan(world.objects, world.panes, 0, seed);
   const Reach reach(plan, {}, world.middle, world.extent, 0.4);
   const std::vector<Spot>& places = reach.places();
   if (places.size() < 100) return;
@@ -46,6 +47,11 @@ SceneObject part(ObjectKind kind, double x, double z, double width, double depth
   o.surface = finish.surface;
   o.contrast = finish.contrast;
   return o;
+}
+
+void Site::add(const SceneObject& object) {
+  outlines_.push_back(covered(object, bumps(seed_, world.objects.size())));
+  world.objects.push_back(object);
 }
 
 void Site::wall(const Spot& a, const Spot& b, double height, const Finish& finish, double width) {
@@ -79,7 +85,7 @@ bool Site::room(const Footprint& outline, double gap, double touching) const {
     return found >= gap || (found > 0 && found <= touching);
   };
   return std::all_of(clear_.begin(), clear_.end(), [&](const Clear& c) { return outline.gap(c.spot) >= c.radius; }) &&
-         std::all_of(world.objects.begin(), world.objects.end(), [&](const SceneObject& o) { return far(Footprint(o)); });
+         std::all_of(outlines_.begin(), outlines_.end(), far);
 }
 
 bool Site::put(const std::vector<SceneObject>& parts, const Spot& at, double yaw, double width, double depth, double gap, double touching) {
@@ -113,7 +119,7 @@ World make_world(const sim_section& parameters) {
   site.world.ground_brightness = site.chance.between(80, 150);
   office ? build_office(site) : garage ? build_garage(site) : build_rocks(site);
   World& world = site.world;
-  invite(world, site.chance, office ? 4 : garage ? 2 : 1);
+  invite(world, site.chance, office ? 4 : garage ? 2 : 1, static_cast<uint32_t>(parameters.seed));
   if (!parameters.glass) world.panes.clear();
   if (world.ceiling > 0) {
     const Finish plaster{Surface::stone, 190, 0.5};

@@ -20,7 +20,7 @@ class Site {
   static constexpr double wall_width = 0.14;  ///< m
   static constexpr double passage = 0.9;      ///< m between things, so that a robot comes through or sees that it does not
 
-  explicit Site(uint64_t seed) : chance(seed * 2 + 0x0ff1ce), glazier(seed * 2 + 0x91a55) {}
+  explicit Site(uint64_t seed) : chance(seed * 2 + 0x0ff1ce), glazier(seed * 2 + 0x91a55), seed_(static_cast<uint32_t>(seed)) {}
 
   Chance chance;
   Chance glazier;  ///< for panes, which are always built, and taken out again where no glass is wanted: all else stays as it is
@@ -30,7 +30,7 @@ class Site {
   /// Four walls round (0, 0) to `far`.
   void enclose(const Spot& far, double height, const Finish& finish);
   void pane(const Spot& a, const Spot& b);
-  void add(const SceneObject& object) { world.objects.push_back(object); }
+  void add(const SceneObject& object);
   /// A thing of several parts, given relative to its middle (x across, z along its yaw), is put there if its outline has `gap` m to all
   /// that stands and to the places kept clear. What it stands against (`touching` m to it at most) does not count.
   bool put(const std::vector<SceneObject>& parts, const Spot& at, double yaw, double width, double depth, double gap, double touching = 0);
@@ -45,6 +45,8 @@ class Site {
     double radius;
   };
   std::vector<Clear> clear_;
+  uint32_t seed_;
+  std::vector<Footprint> outlines_;  ///< of the world's objects
 };
 
 /// A part of a thing: a box or post at (x, z) from its middle.

@@ -128,7 +128,7 @@ std::unique_ptr<Tracer> Tracer::make(const Scene& scene, uint32_t seed) {
       if (!shapes->add_moving(o, index)) return nullptr;
       continue;
     }
-    if (!shapes->add(shape(o, ground, scramble(seed * 977 + index)), index)) return nullptr;
+    if (!shapes->add(shape(o, ground, bumps(seed, index)), index)) return nullptr;
     for (const Corners& corners : boxes_around(o, ground)) shapes->corners.push_back(corners);
   }
   if (scene.terrain().meshed()) {

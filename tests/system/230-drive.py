@@ -248,6 +248,20 @@ class Drive(ProgramTest):
                 self.assertLess(max(next(w for w in others if w != (0, 0))), 60)
             self.says("is open again")
 
+    def test_a_stop_is_heard_behind_half_a_command(self):
+        for sets in ({}, {"stopDeceleration": 1}):
+            self.controller.unplug()
+            self.controller.kept = b"!M 300 3"
+            with drive(self.controller.port, rate=1, **sets) as self.link:
+                self.says("motors stopped")
+                begin = time.monotonic()
+                self.controller.plug()
+                self.assertTrue(wait_until(lambda: self.controller.since(begin)))
+                first = self.controller.since(begin)[0]
+                self.assertEqual(first[1], "!M 300 3!M 0 0")
+                self.assertTrue(wait_until(lambda: len(self.controller.since(begin)) > 1, LIMIT), "one stop, and that was swallowed")
+                self.assertEqual(self.controller.since(begin)[1][1], "!M 0 0")
+
     def test_a_port_with_modem_lines_is_opened_by_libserialport_and_works_alike(self):
         shim = {**os.environ, "LD_PRELOAD": str(BIN / "vdisp_modem_lines.so")}
         traced = subprocess.run(["ldd", BIN / "vdisp-drive"], capture_output=True, text=True).stdout
@@ -383,7 +397,9 @@ class Drive(ProgramTest):
         self.refused("takes", "ms with baud = 300", "must fit into 50 ms", baud=300)
         self.refused("replyTimeout = 0.05 s", "at least two periods", reply="OK", replyTimeout=0.05)
         self.refused("rate = 500", "must be a number from 1 to 100", rate=500)
-        self.refused("longer than 256 bytes", command="{left} {right}" + "x" * 300)
+        self.refused("command: longer than 256 bytes", command="{left} {right}" + "x" * 300)
+        self.refused("stop: longer than 256 bytes", stop="x" * 257)
+        self.refused("start: longer than 256 bytes", start="x" * 257)
         done = run("vdisp-drive", "--check-config", "--port", "/dev/ttyS0", "--set", "drive.command={lft}", "--set", "drive.stop={rght}")
         self.assertEqual((done.returncode, len(done.stderr.splitlines())), (78, 2), done.stderr)
         self.assertEqual(run("vdisp-drive", "--check-config", "--port", "/dev/ttyS0").returncode, 0)

@@ -22,6 +22,7 @@ class Controller:
     def __init__(self, folder, answer=None):
         self.port = pathlib.Path(folder) / "controller"
         self.answer = answer
+        self.kept = b""  # what is in its line when the port is plugged in: half a command of somebody who was cut short
         self.commands, self.reading = [], True  # (time, text without its \r)
         self.stopper = None
         self.plug()
@@ -45,7 +46,7 @@ class Controller:
         self.port.unlink(missing_ok=True)
 
     def listen(self, master):
-        left = b""
+        left = self.kept
         while not self.ended:
             if not self.reading or not select.select([master], [], [], 0.05)[0]:
                 time.sleep(0 if self.reading else 0.05)

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "daemon/tools/drive/motors.h"
 #include "daemon/tools/drive/orders.h"
 #include "daemon/tools/drive/phrase.h"
 #include "daemon/tools/drive/replies.h"
@@ -267,6 +268,34 @@ TEST(Orders, what_is_no_number_or_no_order_is_refused) {
   }
   command.header.version = 99;
   EXPECT_EQ(given.judged().halt, Halt::nonsense);
+}
+
+TEST(Settings, a_text_that_is_too_long_to_be_said_is_refused_whichever_it_is) {
+  for (const char* key : {"command", "stop", "start"}) {
+    Config config;
+    const auto refused = [&](size_t length) {
+      // The longest of its kind is "-1000-1000".
+      const std::string text = key == std::string("command") ? "{left}{right}" + std::string(length - 10, 'x') : std::string(length, 'x');
+      (key == std::string("stop") ? config.drive.stop : key == std::string("start") ? config.drive.start : config.drive.command) = text;
+      std::vector<std::string> complaints;
+      read_settings(config, "/dev/ttyS0", complaints);
+      return complaints.size() == 1 && complaints[0].find(std::string(key) + ": longer than 256 bytes") != std::string::npos;
+    };
+    EXPECT_FALSE(refused(longest_command)) << key;
+    EXPECT_TRUE(refused(longest_command + 1)) << key;
+    EXPECT_TRUE(refused(3000)) << key;
+  }
+}
+
+TEST(Motors, what_has_no_bytes_has_not_been_said) {
+  Settings settings;
+  settings.from.port = "-";
+  settings.stop = Phrase(std::string(longest_command + 1, 'x'));
+  settings.period_ns = 50 * ms;
+  Motors motors(settings);
+  motors.serve({}, true, 1000 * ms);
+  motors.serve({}, true, 1100 * ms);
+  EXPECT_FALSE(motors.standing());
 }
 
 TEST(Settings, wheels_become_the_controllers_units_and_directions) {

@@ -12,6 +12,8 @@ namespace vdisp::drive {
 namespace {
 
 constexpr int64_t last_word_ns = 100'000'000;
+// A controller may hold half a command of whoever was cut short: the first stop only ends that line.
+constexpr int stops_to_begin = 2;
 
 }  // namespace
 
@@ -49,6 +51,7 @@ void Motors::read(int64_t now_ns) {
 bool Motors::say(const Phrase& phrase, const Motion& motion, int64_t now_ns) {
   char text[longest_command];
   const size_t bytes = phrase.fill(motion, text);
+  if (bytes == 0 && !phrase.empty()) return false;
   const Port::Sent sent = port_.send({text, bytes}, now_ns);
   if (sent == Port::Sent::lost) ++tally_.port_lost;
   return sent == Port::Sent::yes;
@@ -83,7 +86,7 @@ void Motors::command(const Order& order, int64_t now_ns) {
     return;
   }
   count(now_ns);
-  stop_said_ = stand;
+  stops_due_ = stand ? std::max(0, stops_due_ - 1) : 1;
   // From the beat before, so that the rate holds on average; what came out of turn begins a new beat.
   due_ns_ = now_ns < due_ns_ || now_ns - due_ns_ > settings_.period_ns / 2 ? now_ns + settings_.period_ns : due_ns_ + settings_.period_ns;
 }
@@ -93,7 +96,8 @@ void Motors::serve(const Order& order, bool ending, int64_t now_ns) {
     ++tally_.port_opened;
     replies_.forget(now_ns);
     ramp_.stand();
-    started_ = stop_said_ = false;
+    started_ = false;
+    stops_due_ = stops_to_begin;
     due_ns_ = now_ns;
     sent_ns_ = 0;
   }
@@ -101,9 +105,10 @@ void Motors::serve(const Order& order, bool ending, int64_t now_ns) {
   const Halt before = halt_;
   look(order, ending, now_ns);
   if (port_.is_open()) {
-    if (stop_said_ && !started_) started_ = settings_.start.empty() || say(settings_.start, {}, now_ns);
+    if (stops_due_ == 0 && !started_) started_ = settings_.start.empty() || say(settings_.start, {}, now_ns);
     const bool orders_stand = halt_ != Halt::none || (order.speed == 0 && order.turn_rate == 0);
-    const bool stop_now = orders_stand && !stop_said_ && !(settings_.stop_is_limited() && before == halt_);
+    const bool at_once = !started_ || (orders_stand && !(settings_.stop_is_limited() && before == halt_));
+    const bool stop_now = at_once && stops_due_ > 0;
     if (stop_now || now_ns >= due_ns_) command(order, now_ns);
     if (!port_.is_open()) look(order, ending, now_ns);
   }

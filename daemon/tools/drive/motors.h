@@ -38,7 +38,7 @@ class Motors {
   /// Why they stand; none: they are driven.
   Halt halt() const { return halt_; }
   /// Told to stop, and at a stand as far as can be told by commands.
-  bool standing() const { return stop_said_; }
+  bool standing() const { return stops_due_ == 0; }
   /// Says stop once more and lets it leave; at most 0.1 s.
   void finish();
 
@@ -60,7 +60,8 @@ class Motors {
   Replies replies_;
   Ramp ramp_;
   Halt halt_ = Halt::dead;
-  bool started_ = false, stop_said_ = false;
+  bool started_ = false;
+  int stops_due_ = 0;  ///< stops that are still to be said before they can be taken for heard
   int64_t due_ns_ = 0, sent_ns_ = 0;
   Tally tally_;
 };

@@ -39,30 +39,31 @@ class Check {
   std::vector<std::string>& complaints_;
 };
 
-/// Bytes of the longest command: wheels at their most, in opposite directions and in one.
-size_t longest(const Settings& settings) {
+/// Bytes of the longest that it says: wheels at their most, in opposite directions and in one. Complains of what can never be said.
+size_t longest(const char* key, const Phrase& phrase, const Settings& settings, Check& check) {
   const double most = settings.from.maxWheelSpeed;
   size_t bytes = 0;
-  for (const Wheels& wheels : {Wheels{-most, -most}, Wheels{-most, most}, Wheels{most, -most}}) {
+  for (const Wheels& wheels : {Wheels{}, Wheels{-most, -most}, Wheels{-most, most}, Wheels{most, -most}}) {
     char text[longest_command];
-    const size_t filled = settings.command.fill(settings.motion(wheels), text);
-    if (filled == 0) return longest_command + 1;
+    const size_t filled = phrase.fill(settings.motion(wheels), text);
+    if (filled == 0 && !phrase.empty()) {
+      check.refuse(std::string(key) + ": longer than " + std::to_string(longest_command) + " bytes, must be shorter");
+      return 0;
+    }
     bytes = std::max(bytes, filled);
   }
-  char text[longest_command];
-  return std::max(bytes, settings.stop.fill({}, text));
+  return bytes;
 }
 
 void check_times(const Settings& settings, bool serial, Check& check) {
   const drive_section& s = settings.from;
-  const size_t bytes = longest(settings);
+  size_t bytes = longest("command", settings.command, settings, check);
+  if (!s.stop.empty()) bytes = std::max(bytes, longest("stop", settings.stop, settings, check));
+  longest("start", settings.start, settings, check);
   const double takes_ms = static_cast<double>(bytes) * bits_per_byte * 1000 / s.baud;
-  if (bytes > longest_command) {
-    check.refuse("command: longer than " + std::to_string(longest_command) + " bytes, must be shorter");
-  } else if (serial && takes_ms > 1000 / s.rate) {
+  if (serial && takes_ms > 1000 / s.rate)
     check.refuse("a command of " + std::to_string(bytes) + " bytes takes " + number(takes_ms) + " ms with baud = " +
                  std::to_string(s.baud) + ", must fit into " + number(1000 / s.rate) + " ms (rate = " + number(s.rate) + ")");
-  }
   if (!s.reply.empty() && s.replyTimeout * s.rate < 2)
     check.refuse("replyTimeout = " + number(s.replyTimeout) + " s, must be at least two periods of rate = " + number(s.rate) + ": " +
                  number(2 / s.rate) + " s");
