@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "ipc/png.h"
+#include "probe/attach.h"
 #include "probe/words.h"
 
 namespace vdisp {
@@ -144,6 +145,7 @@ int run(int argc, char** argv) {
   try {
     return word == record && options.window ? view(options) : word(options);
   } catch (const ProbeError& error) {
+    if (error.exit_code == 69 && stopped()) return 0;  // told to stop while it looked for the daemon
     std::cerr << "vdisp-probe: " << error.what() << "\n";
     return error.exit_code;
   } catch (const WriteError& error) {
