@@ -10,6 +10,12 @@ def numbers(pattern):
     return lambda output, _: [int(number) for number in form.findall(output)]
 
 
+def frames_of_c(output, _):
+    """It tells once a second, also where nothing came: only what is new counts."""
+    lines = re.findall(rb"^frames (\d+) .* sequence (\d+)$", output, re.M)
+    return [int(sequence) for i, (frames, sequence) in enumerate(lines) if frames != b"0" and (i == 0 or frames != lines[i - 1][0])]
+
+
 def frames_of_dump(_, folder):
     whole = [file for file in sorted(folder.glob("dump/*/frame.json")) if file.stat().st_size > 0]
     return [json.loads(file.read_text())["sequence"] for file in whole]
@@ -39,7 +45,7 @@ KINDS = [
     Kind("planner", 3, lambda r, f: ["vdisp-planner"], numbers(rb"^map (\d+)")),
     Kind("incremental", 3, lambda r, f: ["vdisp-incremental-planner", *goal(r), "--json"], numbers(JSON_SEQUENCE)),
     Kind("fused", 2, lambda r, f: ["vdisp-incremental-planner", *goal(r), "--json", "--fused"], numbers(JSON_SEQUENCE)),
-    Kind("c", 3, lambda r, f: ["vdisp-follow-c", "1000"], numbers(rb" sequence (\d+)$")),
+    Kind("c", 3, lambda r, f: ["vdisp-follow-c", "1000"], frames_of_c),
     Kind("map", 2, lambda r, f: ["vdisp-probe", "map", "--json"], numbers(JSON_SEQUENCE)),
     Kind("stats", 2, lambda r, f: ["vdisp-probe", "stats", "--json"], numbers(rb'^\{"state":"running","steps":(\d+)')),
     Kind("latency", 1, lambda r, f: ["vdisp-probe", "latency", "--reader", "--json"], numbers(rb'"count": ?(\d+).*"missed"'), streams=False),

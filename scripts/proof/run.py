@@ -27,6 +27,7 @@ model = {work}/soak.model
 [Map]
 minCount = 3
 [control]
+maxAge = 2
 maxSpeed = 100
 [recorder]
 seconds = 5

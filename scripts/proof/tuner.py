@@ -8,7 +8,7 @@ from proof.programs import wait_until
 
 # What leaves the map as it is, all in all: no frame may become blind by it.
 LIVE = {"image source.thresh": (8, 14), "image source.unique": (8, 14), "image source.SpeckleSize": (60, 200), "Map.minCount": (3, 9),
-        "Memory.keep": (5, 60), "decide.near": (1, 2), "control.maxAge": (1, 2), "recorder.keep": (2, 5), "main.debug": (1, 2)}
+        "Memory.keep": (5, 60), "decide.near": (1, 2), "control.maxAge": (2, 4), "recorder.keep": (2, 5), "main.debug": (1, 2)}
 LIMIT = 10  # s, for the daemon to have done what was asked
 
 

@@ -109,6 +109,9 @@ class Claims(unittest.TestCase):
                            ("stats", b'{"state":"running","steps":12,')):
             check = next(known for known in KINDS if known.name == kind).check
             self.assertEqual(check(line + b"\n", None), [12], kind)
+        c = next(kind for kind in KINDS if kind.name == "c").check
+        lines = b"".join(b"frames %d missed 0 sequence %d\n" % pair for pair in ((0, 0), (3, 12), (3, 12), (5, 9)))
+        self.assertEqual(c(lines, None), [12, 9], "a second without a frame is no fault, one that fell is")
 
 
 class Scripts(unittest.TestCase):
