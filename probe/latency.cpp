@@ -54,35 +54,29 @@ std::optional<Measured> of_daemon(Client& client, double seconds) {
                   last->deadline_misses - first->deadline_misses, last->deadline_ns};
 }
 
-/// A planner that waits for maps: what it gets and when.
+/// A planner that waits for maps, and asks when the pair of each was there: what it gets and when.
 std::optional<Measured> in_hands(Client& client, double seconds) {
-  const Client::Topic map = client.subscribe("map"), left = client.subscribe("camera/left");
+  // in/event is made right behind the pair, and published at once; the views are when their last reader in the tree has run.
+  const Client::Topic topics[] = {client.subscribe("map"), client.subscribe("in/event")};
   Measured measured;
   std::optional<uint64_t> last;
   uint64_t epoch = 0;
   const auto start = Clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   while (passed() < seconds && !stopped()) {
-    const Reading reading = client.wait(map, Client::Time(100));
+    Reading set[2];
+    if (!client.wait_set(topics, set, Client::Time(100))) continue;
     const int64_t now = now_ns();
-    const Image* image = reading.image;
-    if (!image || (last && image->sequence == *last && image->epoch == epoch)) continue;
-    if (last && image->epoch == epoch) measured.missed += image->sequence - *last - 1;
-    const bool first = !last;
-    last = image->sequence;
-    epoch = image->epoch;
-    if (!image->valid()) {
+    const Image& map = *set[0].image;
+    const bool first = !last || map.epoch != epoch;
+    if (!first) measured.missed += map.sequence - *last - 1;
+    last = map.sequence;
+    epoch = map.epoch;
+    measured.synthetic = map.flags & flag_synthetic;
+    if (!map.valid())
       ++measured.blind;
-      continue;
-    }
-    int64_t exposed = image->timestamp_ns;
-    measured.synthetic = image->flags & flag_synthetic;
-    if (measured.synthetic) {
-      const Image* pair = client.latest(left).image;
-      if (!pair || pair->sequence != *last || pair->epoch != epoch) continue;
-      exposed = pair->ready_ns;
-    }
-    if (!first) measured.latency.add(now - exposed);  // the first one lay there
+    else if (!first)  // the first one lay there
+      measured.latency.add(now - (measured.synthetic ? set[1].image->ready_ns : map.timestamp_ns));
   }
   if (!last && !stopped()) throw ProbeError(69, "no map came within " + format("%.1f s", seconds) + "; see vdisp-probe stats");
   measured.seconds = passed();

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "ipc/png.h"
+#include "probe/attach.h"
 #include "probe/words.h"
 
 namespace vdisp {
@@ -150,6 +151,7 @@ int run(int argc, char** argv) {
   try {
     return word == record && options.window ? view(options) : word(options);
   } catch (const ProbeError& error) {
+    if (error.exit_code == 69 && stopped()) return 0;  // told to stop while it looked for the daemon
     std::cerr << "vdisp-probe: " << error.what() << "\n";
     return error.exit_code;
   } catch (const WriteError& error) {

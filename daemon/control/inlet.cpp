@@ -38,8 +38,12 @@ void end(char (&text)[size]) {
 void Inlet::serve(uint64_t sequence) noexcept {
   const int64_t now = monotonic_ns();
   accept_clients(now);
-  for (Client& client : clients_)
-    if (client.socket >= 0) listen_to(client, now);
+  // The oldest first: who has gone is heard to its end before who came in its place, else that one would be the second to send the same.
+  uint64_t heard = 0;
+  while (Client* client = oldest_after(heard)) {
+    heard = client->number;
+    listen_to(*client, now);
+  }
   LiveParameters::Reply reply;
   while (parameters_.next(reply)) {
     for (Client& client : clients_) {
@@ -49,6 +53,14 @@ void Inlet::serve(uint64_t sequence) noexcept {
     }
     parameters_.done();
   }
+}
+
+/// The connection that came next; null: none did.
+Inlet::Client* Inlet::oldest_after(uint64_t number) noexcept {
+  Client* oldest = nullptr;
+  for (Client& client : clients_)
+    if (client.socket >= 0 && client.number > number && (!oldest || client.number < oldest->number)) oldest = &client;
+  return oldest;
 }
 
 void Inlet::accept_clients(int64_t now_ns) noexcept {

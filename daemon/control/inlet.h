@@ -68,6 +68,7 @@ class Inlet {
   void lock();
   void bind_and_listen(const std::string& group);
   void accept_clients(int64_t now_ns) noexcept;
+  Client* oldest_after(uint64_t number) noexcept;
   Client* free_place(int64_t now_ns) noexcept;
   void listen_to(Client& client, int64_t now_ns) noexcept;
   bool take(Client& client, const char* bytes, size_t size, int64_t now_ns) noexcept;

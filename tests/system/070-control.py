@@ -98,6 +98,21 @@ class Control(ProgramTest):
         frame = self.frame_of("left")
         return frame["sequence"], now()
 
+    def test_a_sender_that_takes_the_place_of_one_that_is_gone_is_heard_from_its_first_message(self):
+        self.start("--set", "sim.rate=10")
+        for number in range(10):
+            other = connected()
+            sender = connected()
+            sender.send(odometry(0))
+            self.wait_for_input(accepted=2 * number + 1)
+            other.close()  # its place in the daemon's list is free, before the sender's
+            time.sleep(0.15)
+            sender.close()
+            with connected() as successor:
+                successor.send(odometry(0))
+                time.sleep(0.15)
+                self.assertEqual(self.input()["refused"], 0, f"round {number}")
+
     # parameters
     def test_a_live_key_changes_the_stage_from_a_known_frame_on_and_the_generation_rises(self):
         self.start()

@@ -5,6 +5,7 @@ SPDX-License-Identifier: Apache-2.0
 """
 import json
 import os
+import pathlib
 import pty
 import re
 import shutil
@@ -50,6 +51,15 @@ class Probe(ProgramTest):
             self.assertIsNone(probe.process.poll())
             self.publisher()
             self.assertEqual(probe.process.wait(10), 0, probe.text())
+
+    def test_every_word_that_is_stopped_while_it_waits_for_a_daemon_ends_with_0_and_no_word(self):
+        for word in WORDS:
+            with self.subTest(word=word[0]), Running("vdisp-probe", *word, "--wait", "20", cwd=self.folder, stdout=subprocess.DEVNULL) as probe:
+                handles = lambda: int(re.search(r"SigCgt:\s*(\w+)", pathlib.Path(f"/proc/{probe.process.pid}/status").read_text())[1], 16) >> 14 & 1
+                self.assertTrue(wait_until(handles, 5), "SIGTERM is handled")
+                time.sleep(0.1)
+                probe.process.terminate()
+                self.assertEqual((probe.process.wait(10), probe.text()), (0, ""))
 
     def test_a_healthy_daemon_answers_every_call_also_on_a_busy_machine(self):
         self.publisher()

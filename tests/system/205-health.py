@@ -154,6 +154,15 @@ class Latency(Daemon):
         daemon = json.loads(self.probe("latency", "--json"))
         self.assertGreater(told["p50_ms"], 0.5 * daemon["p50_ms"])
 
+    def test_a_reader_measures_each_map_also_where_the_views_are_published_long_after_it(self):
+        self.start()
+        with Running("vdisp-reader", "count", "truth/map_cells", "8", stdout=subprocess.DEVNULL):
+            time.sleep(1)  # made last, of the left view, and slowly
+            told = json.loads(self.probe("latency", "--reader", "--seconds", "4", "--json"))
+            made = json.loads(self.probe("latency", "--json"))
+        self.assertGreaterEqual(told["count"] + told["missed"] + 1, 4 * 20 * 0.6)
+        self.assertLess(told["p50_ms"], made["p50_ms"] + 4, "it is the map that is waited for")
+
     def test_without_a_daemon_it_is_69(self):
         self.assert_refused(run("vdisp-probe", "latency"), 69, "vdispd")
 
