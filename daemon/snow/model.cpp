@@ -9,10 +9,13 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -48,16 +51,46 @@ void check_header(const std::filesystem::path& path, const std::byte* memory, si
     wrong(path, "is of encoding " + std::to_string(static_cast<uint32_t>(header.settings.encoding)) + ", known are 1 to 4");
 }
 
-std::vector<Source> sources_in(std::string_view text) {
+/// Numbers that nothing can be judged by: whoever made such a file, all its checksums are right.
+void check_numbers(const std::filesystem::path& path, const ModelHeader& header) {
+  const auto smooth = static_cast<uint32_t>(header.settings.smooth);
+  if (smooth >= std::size(smooth_names)) wrong(path, "smooth is " + std::to_string(smooth) + ", known are 0 to 2");
+  if (!std::isfinite(header.settings.confidence)) wrong(path, "confidence is no number");
+  for (const Trained* trained : {&header.obstacle, &header.direction}) {
+    const std::string of = trained == &header.obstacle ? " of free and obstacle" : " of left and right";
+    if (!(trained->winnow.theta > 0) || !std::isfinite(trained->winnow.theta)) wrong(path, "theta" + of + " must be a number more than 0");
+    if (!std::isfinite(trained->sensitivity)) wrong(path, "sensitivity" + of + " is no number");
+  }
+}
+
+void check_weights(const std::filesystem::path& path, const float* weights) {
+  constexpr const char* targets[] = {"free", "obstacle", "left", "right"};
+  const float* end = weights + std::size(targets) * vector_length;
+  const float* bad = std::find_if_not(weights, end, [](float weight) { return std::isfinite(weight); });
+  if (bad == end) return;
+  const auto number = static_cast<size_t>(bad - weights);
+  wrong(path, "weight " + std::to_string(number % vector_length) + " of the target " + targets[number / vector_length] + " is no number");
+}
+
+/// "train" or "test", how often, which: what write_model() writes.
+Source source_in(const std::filesystem::path& path, std::string_view line) {
+  const size_t first = line.find('\t'), second = first == line.npos ? first : line.find('\t', first + 1);
+  const bool three = second != line.npos;
+  const std::string_view use = line.substr(0, first);
+  Source source{three ? std::string(line.substr(second + 1)) : std::string(), 0, use == "test"};
+  const char* end = three ? line.data() + second : line.data();
+  const bool number = three && std::from_chars(line.data() + first + 1, end, source.weight).ptr == end && source.weight > 0;
+  if (!number || source.folder.empty() || (use != "train" && use != "test"))
+    wrong(path, "has a line in its list of recordings that is none: it must be train or test, how often, and a folder, with tabs between");
+  return source;
+}
+
+std::vector<Source> sources_in(const std::filesystem::path& path, std::string_view text) {
   std::vector<Source> sources;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
-    const size_t first = line.find('\t'), second = line.find('\t', first + 1);
-    if (second == std::string_view::npos) continue;
-    Source source{std::string(line.substr(second + 1)), 1, line.substr(0, first) == "test"};
-    std::from_chars(line.data() + first + 1, line.data() + second, source.weight);
-    sources.push_back(std::move(source));
+    sources.push_back(source_in(path, line));
   }
   return sources;
 }
@@ -90,7 +123,7 @@ std::string differences(const Settings& found, const Settings& wanted) {
 }
 
 Model Model::open(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is no file, and has nobody waited for
   if (file < 0) throw ModelError(errno == EACCES ? EX_NOPERM : EX_NOINPUT, path.string() + ": cannot be read: " + std::strerror(errno));
   struct stat status {};
   const bool regular = fstat(file, &status) == 0 && S_ISREG(status.st_mode);
@@ -107,10 +140,12 @@ Model Model::open(const std::filesystem::path& path) {
   const ModelHeader& header = header_of(model.memory_);
   if (checksum(model.memory_ + model_page, model_weights_bytes) != header.weights_checksum)
     wrong(path, "is damaged: the checksum of its weights is wrong");
+  check_numbers(path, header);
+  check_weights(path, model.weights(0).data());
   const std::byte* list = model.memory_ + model_page + model_weights_bytes;
   const size_t rest = model.bytes_ - model_page - model_weights_bytes;
   if (checksum(list, rest) != header.sources_checksum) wrong(path, "is damaged: the checksum of its list of recordings is wrong");
-  model.sources_ = sources_in({reinterpret_cast<const char*>(list), rest});
+  model.sources_ = sources_in(path, {reinterpret_cast<const char*>(list), rest});
   return model;
 }
 

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <sysexits.h>
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "daemon/snow/model.h"
 #include "daemon/snow/model_file.h"
@@ -106,6 +108,28 @@ TEST_F(ModelFile, is_refused_with_a_weight_or_its_list_changed) {
   }
   change(model_page + model_weights_bytes + 5);
   EXPECT_NE(complaint().find("list of recordings"), std::string::npos);
+}
+
+/// As a trainer of another kind could have written it: every checksum is right.
+TEST_F(ModelFile, is_refused_with_numbers_that_nothing_can_be_judged_by) {
+  const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  const auto said_of = [&](auto change) {
+    ModelParts parts = parts_of(weights_);
+    change(parts);
+    write_model(file_, parts);
+    return complaint();
+  };
+  for (const double theta : {0.0, -1.0, nan, infinite})
+    EXPECT_NE(said_of([&](ModelParts& p) { p.direction.winnow.theta = theta; }).find("theta"), std::string::npos) << theta;
+  for (const double value : {nan, infinite}) {
+    EXPECT_NE(said_of([&](ModelParts& p) { p.obstacle.sensitivity = value; }).find("sensitivity"), std::string::npos);
+    EXPECT_NE(said_of([&](ModelParts& p) { p.settings.confidence = value; }).find("confidence"), std::string::npos);
+  }
+  EXPECT_NE(said_of([](ModelParts& p) { p.settings.smooth = static_cast<Smooth>(7); }).find("smooth"), std::string::npos);
+  for (const Source& source : {Source{"", 1, false}, Source{"drives/office", 0, true}})
+    EXPECT_NE(said_of([&](ModelParts& p) { p.sources.push_back(source); }).find("list of recordings"), std::string::npos) << source.folder;
+  weights_.of[3][vector_length - 1] = static_cast<float>(nan);
+  EXPECT_NE(said_of([](ModelParts&) {}).find("weight 2097151 of the target right is no number"), std::string::npos);
 }
 
 TEST_F(ModelFile, is_refused_cut_off_anywhere_or_with_more_behind_it) {
