@@ -17,9 +17,7 @@ bool possible(const ImageSpec& spec) {
   return spec.pixel == Pixel::record ? spec.height == 1 : spec.width <= longest_side && spec.height <= longest_side;
 }
 
-bool within(int64_t at_ns, int64_t now_ns, int64_t patience_ns) {
-  return at_ns >= now_ns - patience_ns && at_ns <= now_ns + patience_ns;
-}
+bool within(int64_t at_ns, int64_t now_ns, int64_t patience_ns) { return at_ns >= now_ns - patience_ns && at_ns <= now_ns + patience_ns; }
 
 }  // namespace
 

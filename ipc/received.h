@@ -21,14 +21,14 @@ std::vector<CatalogueEntry> entries_of(const Catalogue& catalogue);
 
 /// What the last heartbeat said.
 struct Beat {
-  uint64_t epoch = 0;                    ///< 0: there is no connection
-  int64_t ready_ns = 0, period_ns = 0;   ///< of its image; from step to step
+  uint64_t epoch = 0;                   ///< 0: there is no connection
+  int64_t ready_ns = 0, period_ns = 0;  ///< of its image; from step to step
   /// How long is not too long: three periods, or longer where those are short.
   int64_t patience(int64_t least) const;
 };
 
-/// How far an image can be trusted `now`. What bears a time that is yet to come was not made by this clock, and is as little trusted as what
-/// is too old. `image` may be null.
+/// How far an image can be trusted `now`. What bears a time that is yet to come was not made by this clock, and is as little trusted as
+/// what is too old. `image` may be null.
 Reading judged(const Image* image, const Beat& beat, int64_t now_ns) noexcept;
 
 }  // namespace vdisp

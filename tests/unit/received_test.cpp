@@ -22,7 +22,8 @@ struct HeaderTest : testing::Test {
 
 TEST_F(HeaderTest, an_image_in_its_bytes_is_one_and_in_fewer_is_none) {
   EXPECT_EQ(found(), &image);
-  for (const uint64_t fewer : {bytes - 1, uint64_t{sizeof(Image)}, uint64_t{sizeof(Image) - 1}, uint64_t{0}}) EXPECT_EQ(image_in(&image, fewer), nullptr) << fewer;
+  for (const uint64_t fewer : {bytes - 1, uint64_t{sizeof(Image)}, uint64_t{sizeof(Image) - 1}, uint64_t{0}})
+    EXPECT_EQ(image_in(&image, fewer), nullptr) << fewer;
   EXPECT_EQ(image_in(reinterpret_cast<const std::byte*>(&image) + 8, bytes), nullptr) << "not on a border of 64";
 }
 
