@@ -25,13 +25,15 @@ std::vector<Line> lines_of(std::string_view text) {
     const size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
     Line line{text.substr(0, end), {}, {}};
     text.remove_prefix(end);
-    const std::string_view body = without_comment(trimmed(line.text.substr(0, line.text.find_last_not_of("\r\n") + 1)));
-    const size_t equals = body.find('=');
+    std::string_view shown = line.text.substr(0, line.text.find_last_not_of("\r\n") + 1);
+    if (lines.empty() && shown.starts_with(byte_order_mark)) shown.remove_prefix(byte_order_mark.size());
+    const std::string_view body = without_comment(trimmed(shown));
+    const size_t separator = body.find_first_of(separators);
     if (!body.empty() && body[0] == '[') {
       section = std::string(trimmed(body.substr(1, std::max<size_t>(body.find(']'), 1) - 1)));
-    } else if (equals != body.npos) {
-      line.key = std::string(trimmed(body.substr(0, equals)));
-      const std::string_view value = trimmed(body.substr(equals + 1));
+    } else if (separator != body.npos) {
+      line.key = std::string(trimmed(body.substr(0, separator)));
+      const std::string_view value = trimmed(body.substr(separator + 1));
       line.value_begin = static_cast<size_t>((value.empty() ? body.data() + body.size() : value.data()) - line.text.data());
       line.value_end = line.value_begin + value.size();
     }

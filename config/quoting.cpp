@@ -75,7 +75,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::string_view without_comment(std::string_view line) {
   size_t comment = find_comment(line, 0);
-  const size_t separator = line.find_first_of("=:");
+  const size_t separator = line.find_first_of(separators);
   if (separator < comment) {
     size_t value = separator + 1;
     while (value < line.size() && is_blank(line[value])) ++value;

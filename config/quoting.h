@@ -7,6 +7,11 @@
 
 namespace vdisp {
 
+/// What stands between key and value: either, as in every ini file.
+inline constexpr std::string_view separators = "=:";
+/// Some editors begin a file with it.
+inline constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 inline bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 

@@ -60,8 +60,9 @@ std::string Reader::load() {
   const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(file_.c_str(), "rb"), &std::fclose);
   std::string content;
   if (file) {
-    content.resize(longest_file + 1);
-    content.resize(std::fread(content.data(), 1, content.size(), file.get()));
+    char block[4096];
+    for (size_t size = 1; size > 0 && content.size() <= longest_file; content.append(block, size))
+      size = std::fread(block, 1, sizeof block, file.get());
   }
   if (!file || std::ferror(file.get())) {
     const int error = errno;
@@ -94,7 +95,6 @@ char* Reader::next_line(char* to, int size) {
   std::string_view line(content_.data() + position_, end - position_);
   position_ = end + 1;
   ++line_;
-  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (line_ == 1 && line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   const std::string text = prepare(line);
   std::snprintf(to, static_cast<size_t>(size), "%s\n", text.c_str());

@@ -162,7 +162,7 @@ void Client::release(Topic topic) {
   self.release(*slot, slot->held[1]);
 }
 
-uint64_t Client::epoch() const { return implementation_->connected() ? implementation_->epoch : 0; }
+uint64_t Client::epoch() const { return implementation_->connected() ? implementation_->beat.epoch : 0; }
 
 uint64_t Client::reconnections() const { return implementation_->connections > 0 ? implementation_->connections - 1 : 0; }
 
@@ -179,17 +179,7 @@ std::vector<CatalogueEntry> Client::topics(Time limit) {
   }
   self.release(slot, slot.held[1]);
   const auto* catalogue = slot.held[0].image ? record_of<Catalogue>(*slot.held[0].image) : nullptr;
-  if (!catalogue) return {};
-  const uint32_t count = std::min(catalogue->count, Catalogue::capacity);
-  std::vector<CatalogueEntry> entries(catalogue->entries, catalogue->entries + count);
-  for (CatalogueEntry& entry : entries) {
-    entry.name[sizeof entry.name - 1] = 0;
-    for (int16_t& parent : entry.parents) {
-      const int index = parent < -1 ? delayed_parent(parent) : parent;
-      if (index >= static_cast<int>(count)) parent = -1;
-    }
-  }
-  return entries;
+  return catalogue ? entries_of(*catalogue) : std::vector<CatalogueEntry>();
 }
 
 }  // namespace vdisp

@@ -34,8 +34,7 @@ void Client::Implementation::lose(const std::string& why) {
   }
   link.drop(why);
   asked = -1;
-  epoch = 0;
-  beat_ns = period_ns = 0;
+  beat = {};
 }
 
 /// Everything that has to happen between two looks at the images; never waits.
@@ -58,12 +57,11 @@ void Client::Implementation::service(int64_t now) {
   Slot& beats = slots[heartbeat];
   take(beats);
   if (!beats.held[0].image) return;
-  const auto* beat = record_of<Heartbeat>(*beats.held[0].image);
-  if (!beat) return;
-  if (epoch == 0) ++connections;
-  epoch = beats.held[0].image->epoch;
-  beat_ns = beats.held[0].image->ready_ns;
-  period_ns = std::clamp<int64_t>(beat->period_ns, 0, 3'600'000'000'000);
+  const Image& newest = *beats.held[0].image;
+  const auto* record = record_of<Heartbeat>(newest);
+  if (!record) return;
+  if (beat.epoch == 0) ++connections;
+  beat = {newest.epoch, newest.ready_ns, std::clamp<int64_t>(record->period_ns, 0, 3'600'000'000'000)};
 }
 
 void Client::Implementation::ask_ports(int64_t now) {
@@ -133,31 +131,15 @@ void Client::Implementation::take(Slot& slot) {
 /// The image in a chunk, or null where it is not one, or older than the subscription: what an on-demand stage made for a reader
 /// that is long gone.
 const Image* Client::Implementation::accept(Chunk chunk, const Slot& slot) const {
-  const auto* image = static_cast<const Image*>(chunk->userPayload());
   const uint64_t size = chunk->userPayloadSize();
-  if (reinterpret_cast<uintptr_t>(image) % alignof(Image) != 0 || size < sizeof(Image) || !link.holds(image, size)) return nullptr;
-  if (image->magic != Image::magic_value || image->version != Image::version_value) return nullptr;
-  if (sizeof(Image) + static_cast<uint64_t>(image->spec.stride()) * image->spec.height > size) return nullptr;
-  if (static_cast<uint32_t>(image->reason) >= static_cast<uint32_t>(Reason::count)) return nullptr;
-  const bool kept = &slot == &slots[catalogue] || image->ready_ns >= slot.subscribed_ns - patience(300'000'000);
+  const void* payload = chunk->userPayload();
+  const Image* image = link.holds(payload, size) ? image_in(payload, size) : nullptr;
+  if (!image) return nullptr;
+  const bool kept = &slot == &slots[catalogue] || image->ready_ns >= slot.subscribed_ns - beat.patience(300'000'000);
   return kept ? image : nullptr;
 }
 
-Reading Client::Implementation::judge(const Image* image, int64_t now) const {
-  Reading reading;
-  reading.image = image;
-  if (image) {
-    reading.age_s = static_cast<double>(now - image->ready_ns) * 1e-9;
-    reading.reason = image->reason;
-  }
-  if (!connected() || now - beat_ns > patience(1'000'000'000) || (image && image->epoch != epoch))
-    reading.trust = Trust::dead;
-  else if (!image || now - image->ready_ns > patience(300'000'000))
-    reading.trust = Trust::stale;
-  else
-    reading.trust = image->valid() ? Trust::fresh : Trust::blind;
-  return reading;
-}
+Reading Client::Implementation::judge(const Image* image, int64_t now) const { return judged(image, connected() ? beat : Beat{}, now); }
 
 Client::Implementation::Slot* Client::Implementation::find(Topic topic) {
   if (topic <= catalogue || topic >= static_cast<Topic>(slots.size()) || slots[topic].name.empty()) return nullptr;

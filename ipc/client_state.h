@@ -9,6 +9,7 @@
 
 #include "ipc/include/vdisp/client.h"
 #include "ipc/link.h"
+#include "ipc/received.h"
 
 namespace vdisp {
 
@@ -50,10 +51,11 @@ struct Client::Implementation {
   std::vector<Slot> slots;
   Topic asked = -1;  // whose port was asked for
   std::string message;
-  int64_t checked_ns = 0, connected_ns = 0, beat_ns = 0, period_ns = 0;
-  uint64_t epoch = 0, connections = 0, errors = 0;
+  int64_t checked_ns = 0, connected_ns = 0;
+  Beat beat;
+  uint64_t connections = 0, errors = 0;
 
-  bool connected() const { return link.up() && epoch != 0; }
+  bool connected() const { return link.up() && beat.epoch != 0; }
   void lose(const std::string& why);
   void service(int64_t now);
   void ask_ports(int64_t now);
@@ -64,7 +66,6 @@ struct Client::Implementation {
   void close(Slot& slot);
   Reading judge(const Image* image, int64_t now) const;
   Slot* find(Topic topic);
-  int64_t patience(int64_t least) const { return std::max(3 * period_ns, least); }
 };
 
 }  // namespace vdisp

@@ -160,8 +160,7 @@ ordered_json input_json(const Image& image) {
   } else if (const Events* e = record_of<Events>(image)) {
     json["age_s"] = number(e->age_s);
     json["labels"] = ordered_json::array();
-    for (uint32_t n = 0; n < std::min(e->count, Events::capacity); ++n)
-      json["labels"].push_back(std::string(e->entries[n].label, strnlen(e->entries[n].label, sizeof e->entries[n].label)));
+    for (uint32_t n = 0; n < std::min(e->count, Events::capacity); ++n) json["labels"].push_back(std::string(e->entries[n].text()));
   }
   return json;
 }

@@ -155,7 +155,7 @@ std::string step_line(const RecordedStep& step, bool all_events) {
   const uint32_t count = std::min(events.count, Events::capacity);
   for (uint32_t i = all_events ? count : std::min(count, events.tally.in_step); i-- > 0;) {
     text.append(",").append(std::to_string(events.entries[i].timestamp_ns)).append(",\"");
-    for (const char* c = events.entries[i].label; *c; ++c) text.append(*c == '"' ? 2 : 1, *c);
+    for (const char c : events.entries[i].text()) text.append(c == '"' ? 2 : 1, c);
     text += '"';
   }
   return text + "\n";

@@ -49,7 +49,9 @@ void StepTaker::see(std::string_view topic, const Image& image) noexcept {
     step.flags = image.flags;
     step.config_generation = image.config_generation;
   }
-  if ((left || right) && image.valid()) {
+  if ((left || right) && image.valid() && image.spec != camera_) {
+    step.reason = Reason::bad_pair;
+  } else if ((left || right) && image.valid()) {
     const size_t bytes = static_cast<size_t>(camera_.stride()) * camera_.height;
     std::memcpy(taken_->pixels_.get() + (left ? 0 : bytes), image.row<uint8_t>(0), bytes);
   }

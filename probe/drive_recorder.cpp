@@ -21,7 +21,7 @@ constexpr const char* useful[] = {"calibration", "truth/steering", "drive"};
 bool tells_beginning(const Image& image) {
   const Events* events = record_of<Events>(image);
   for (uint32_t i = 0; events && i < std::min({events->tally.in_step, events->count, Events::capacity}); ++i)
-    if (std::string_view(events->entries[i].label) == recording_label) return true;
+    if (events->entries[i].text() == recording_label) return true;
   return false;
 }
 

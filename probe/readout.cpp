@@ -189,8 +189,7 @@ std::vector<std::string> order_text(const DriveOrder& drive) {
 
 std::vector<std::string> events_text(const Events& events) {
   std::vector<std::string> lines{"age         " + or_dash("%.3f s", events.age_s)};
-  for (uint32_t i = 0; i < std::min(events.count, Events::capacity); ++i)
-    lines.push_back(std::string(events.entries[i].label, strnlen(events.entries[i].label, sizeof events.entries[i].label)));
+  for (uint32_t i = 0; i < std::min(events.count, Events::capacity); ++i) lines.emplace_back(events.entries[i].text());
   add_tally(lines, events.tally);
   return lines;
 }

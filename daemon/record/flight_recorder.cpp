@@ -18,8 +18,6 @@ constexpr size_t fewest = 4;
 
 uint64_t bytes_of(const ImageSpec& camera) { return 2ull * camera.stride() * camera.height; }
 
-bool begins_with(const char* label, std::string_view word) { return std::string_view(label).starts_with(word); }
-
 }  // namespace
 
 FlightRecorder::FlightRecorder(const Config& config, const ImageSpec& camera, RecordingInfo info, Texts texts)
@@ -63,8 +61,8 @@ void FlightRecorder::see(std::string_view topic, const Image& image) noexcept {
     if (lost(floor_, image.valid())) happened = FlightCause::floor_lost;
   } else if (const Events* events = record_of<Events>(image)) {
     for (uint32_t i = 0; i < std::min({events->tally.in_step, events->count, Events::capacity}); ++i) {
-      if (begins_with(events->entries[i].label, dump_flight_label)) ask(FlightCause::asked);
-      if (begins_with(events->entries[i].label, bump_label)) happened = FlightCause::bump;
+      if (events->entries[i].text().starts_with(dump_flight_label)) ask(FlightCause::asked);
+      if (events->entries[i].text().starts_with(bump_label)) happened = FlightCause::bump;
     }
   }
   // What happens again within the time that a folder holds is in the last one already, as good as.

@@ -8,6 +8,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <charconv>
@@ -47,19 +48,29 @@ void check_header(const std::filesystem::path& path, const std::byte* memory, si
     wrong(path, (bytes < header.file_bytes ? "is cut off: " : "has something behind its end: ") + std::to_string(bytes) +
                     " bytes, it should have " + std::to_string(header.file_bytes));
   if (bytes < model_page + model_weights_bytes) wrong(path, "is too short for its weights");
-  if (const auto text = nonsense_in(header.settings, header.obstacle, header.direction); !text.empty()) wrong(path, "no usable model: " + text);
+  if (const auto text = nonsense_in(header.settings, header.obstacle, header.direction); !text.empty())
+    wrong(path, "no usable model: " + text);
 }
 
-std::vector<Source> sources_in(std::string_view text) {
+/// "train" or "test", how often, which: what write_model() writes.
+Source source_in(const std::filesystem::path& path, std::string_view line) {
+  const size_t first = line.find('\t'), second = first == line.npos ? first : line.find('\t', first + 1);
+  const bool three = second != line.npos;
+  const std::string_view use = line.substr(0, first);
+  Source source{three ? std::string(line.substr(second + 1)) : std::string(), 0, use == "test"};
+  const char* end = three ? line.data() + second : line.data();
+  const bool number = three && std::from_chars(line.data() + first + 1, end, source.weight).ptr == end && source.weight > 0;
+  if (!number || source.folder.empty() || (use != "train" && use != "test"))
+    wrong(path, "has a line in its list of recordings that is none: it must be train or test, how often, and a folder, with tabs between");
+  return source;
+}
+
+std::vector<Source> sources_in(const std::filesystem::path& path, std::string_view text) {
   std::vector<Source> sources;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
-    const size_t first = line.find('\t'), second = line.find('\t', first + 1);
-    if (second == std::string_view::npos) continue;
-    Source source{std::string(line.substr(second + 1)), 1, line.substr(0, first) == "test"};
-    std::from_chars(line.data() + first + 1, line.data() + second, source.weight);
-    sources.push_back(std::move(source));
+    sources.push_back(source_in(path, line));
   }
   return sources;
 }
@@ -92,7 +103,7 @@ std::string differences(const Settings& found, const Settings& wanted) {
 }
 
 Model Model::open(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is no file, and has nobody waited for
   if (file < 0) throw ModelError(errno == EACCES ? EX_NOPERM : EX_NOINPUT, path.string() + ": cannot be read: " + std::strerror(errno));
   const Closing closing{file};
   struct stat status {};
@@ -116,7 +127,7 @@ Model Model::open(const std::filesystem::path& path) {
   if (checksum(list, rest) != header.sources_checksum) wrong(path, "is damaged: the checksum of its list of recordings is wrong");
   for (int target = 0; target < 4; ++target)
     if (const auto text = nonsense_in(model.weights(target)); !text.empty()) wrong(path, "no usable model: " + text);
-  model.sources_ = sources_in({reinterpret_cast<const char*>(list), rest});
+  model.sources_ = sources_in(path, {reinterpret_cast<const char*>(list), rest});
   return model;
 }
 

@@ -80,6 +80,11 @@ struct Events {
   struct Entry {
     int64_t timestamp_ns;
     char label[48];
+    /// The label, also where the zero at its end is missing.
+    std::string_view text() const {
+      const std::string_view whole(label, sizeof label);
+      return whole.substr(0, whole.find('\0'));
+    }
   };
   RecordHeader header;
   double age_s;  ///< of the newest

@@ -1,9 +1,10 @@
 // mutations.cpp: feeds a fuzz target its seeds, each changed at random from fixed numbers, where there is no libFuzzer.
 // SPDX-License-Identifier: Apache-2.0
-//   PROGRAM ROUNDS FOLDER
+//   PROGRAM ROUNDS FOLDER [numbers]     numbers: seeds hold binary numbers, which are put to their ends
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -46,6 +47,16 @@ constexpr const char* words[] = {"nan",
                                  ">",
                                  "..."};
 
+constexpr int64_t ends[] = {0, -1, 1, INT64_MIN, INT64_MAX, INT32_MAX, 0x7ff8000000000000, 0x7ff0000000000000};  // the last: NaN, infinite
+
+void put_number(std::string& text, std::minstd_rand& random) {
+  const size_t bytes = size_t{1} << random() % 4;
+  if (text.size() < bytes) return;
+  const int64_t number = ends[random() % std::size(ends)];
+  const int64_t shifted = bytes == 4 && random() % 2 ? number >> 32 : number;
+  std::memcpy(text.data() + random() % (text.size() - bytes + 1), &shifted, bytes);
+}
+
 void mutate(std::string& text, const std::vector<std::string>& seeds, std::minstd_rand& random) {
   const auto below = [&random](size_t n) { return n ? random() % n : 0; };
   const size_t at = below(text.size() + 1), length = below(1 + std::min<size_t>(text.size() - at, 40));
@@ -68,7 +79,8 @@ void mutate(std::string& text, const std::vector<std::string>& seeds, std::minst
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return std::fprintf(stderr, "needed are ROUNDS and FOLDER\n"), 64;
+  if (argc < 3) return std::fprintf(stderr, "needed are ROUNDS and FOLDER\n"), 64;
+  const bool numbers = argc > 3;
   std::vector<std::string> seeds;
   for (const auto& entry : std::filesystem::directory_iterator(argv[2])) {
     std::ifstream in(entry.path(), std::ios::binary);
@@ -80,7 +92,7 @@ int main(int argc, char** argv) {
   for (int round = 0; round < rounds; ++round) {
     std::string text = seeds[random() % seeds.size()];
     if (round >= static_cast<int>(seeds.size()))
-      for (unsigned n = 1 + random() % 4; n > 0; --n) mutate(text, seeds, random);
+      for (unsigned n = 1 + random() % 4; n > 0; --n) numbers&& random() % 2 ? put_number(text, random) : mutate(text, seeds, random);
     else
       text = seeds[static_cast<size_t>(round)];
     LLVMFuzzerTestOneInput(reinterpret_cast<const uint8_t*>(text.data()), text.size());

@@ -1,5 +1,5 @@
-/* follow_c.c: a planner in C: reads the map and the floor of one frame, may tell the rover what to do, and counts: follow_c SECONDS [orders].
- * A line of counts each second and at the end; 1 where frames came out of order or an order was refused. */
+/* follow_c.c: a planner in C: reads the map and the floor of one frame, may tell the rover what to do, and counts: follow_c SECONDS
+ * [orders]. A line of counts each second and at the end; 1 where frames came out of order or an order was refused. */
 /* SPDX-License-Identifier: Apache-2.0 */
 #define _POSIX_C_SOURCE 200809L
 #include <signal.h>

@@ -389,7 +389,7 @@ class View(ProgramTest):
         with Running("vdisp-publish", stdout=subprocess.DEVNULL):
             view = self.start()
             self.press("Down", "copy 640x480")
-            self.press("Down", "floor_model 408x1")
+            self.press("Down", "floor_model 416x1")
             self.press("Down", "map 51x50")
             self.press("Down", "left 640x480")
             self.press("Up", "map 51x50")
@@ -460,7 +460,7 @@ class View(ProgramTest):
         time.sleep(1.5)
         self.assertIsNone(view.process.poll(), view.text())
         self.do("key", "Up")  # keys work without a daemon
-        self.assertTrue(wait_until(lambda: self.title() == "floor_model 408x1", 3))
+        self.assertTrue(wait_until(lambda: self.title() == "floor_model 416x1", 3))
         self.do("key", "Down")
         with Running("vdisp-publish", stdout=subprocess.DEVNULL):
             def frames_come():

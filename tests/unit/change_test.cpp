@@ -74,6 +74,12 @@ TEST(RewrittenTest, a_missing_key_is_added_to_its_section_and_a_missing_section_
   EXPECT_EQ(rewritten("", values), "[Map]\nminCount = 4\n");
 }
 
+TEST(RewrittenTest, a_value_behind_a_colon_and_a_section_behind_a_byte_order_mark_are_found) {
+  const Values values{{find_parameter("image source.thresh"), "20"}, {find_parameter("image source.unique"), "7"}};
+  EXPECT_EQ(rewritten("\xef\xbb\xbf[image source]\nthresh: 10 # texture\nunique =5\n[sim]\nsize : 2\n", values),
+            "\xef\xbb\xbf[image source]\nthresh: 20 # texture\nunique =7\n[sim]\nsize : 2\n");
+}
+
 TEST(RewrittenTest, angRot_changes_in_each_section_that_has_it) {
   const Values both{{find_parameter("Limit obstacle.angRot"), "0.3"}, {find_parameter("Map.angRot"), "0.3"}};
   EXPECT_EQ(rewritten("[Limit obstacle]\nangRot=0.2\n[Map]\nangRot=0.2\n", both), "[Limit obstacle]\nangRot=0.3\n[Map]\nangRot=0.3\n");

@@ -181,7 +181,7 @@ TEST_F(DriverTest, a_refused_stage_names_both_ends_and_leaves_no_trace) {
     driver.add("wrong", std::make_unique<AddOne>(&far_runs), {record});
     FAIL() << "a record was accepted as gray8";
   } catch (const FormatError& error) {
-    EXPECT_STREQ(error.what(), "stage 'wrong' of 'record' (record 408x1): the input is record, needed is gray8");
+    EXPECT_STREQ(error.what(), "stage 'wrong' of 'record' (record 416x1): the input is record, needed is gray8");
   }
   EXPECT_EQ(driver.topics().back().name, "record");
 }
@@ -454,7 +454,7 @@ TEST_F(DelayedTest, another_format_than_expected_is_refused_with_both) {
     build_loop(-1, "model", record_spec<FloorModel>());
     FAIL();
   } catch (const FormatError& error) {
-    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'model' as record 408x1, it is gray8 8x4");
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'model' as record 416x1, it is gray8 8x4");
   }
 }
 
@@ -466,7 +466,7 @@ TEST_F(DelayedTest, two_records_are_told_apart_by_type) {
     connect();
     FAIL();
   } catch (const FormatError& error) {
-    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'record' as record 32x1 of type 3, it is record 408x1 of type 1");
+    EXPECT_STREQ(error.what(), "stage 'back' reads the last 'record' as record 32x1 of type 3, it is record 416x1 of type 1");
   }
 }
 
@@ -535,7 +535,7 @@ TEST_F(DelayedTest, a_refused_stage_names_its_delayed_input) {
     FAIL();
   } catch (const FormatError& error) {
     EXPECT_STREQ(error.what(),
-                 "stage 'wrong' of 'camera' (gray8 8x4), the last 'model' (record 408x1): the input is record, needed is gray8");
+                 "stage 'wrong' of 'camera' (gray8 8x4), the last 'model' (record 416x1): the input is record, needed is gray8");
   }
 }
 

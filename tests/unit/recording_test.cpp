@@ -258,6 +258,33 @@ struct StepTakerTest : testing::Test {
   }
 };
 
+TEST_F(StepTakerTest, a_view_of_another_size_or_kind_is_no_part_of_a_pair) {
+  EXPECT_TRUE(taken.step.has_pair());
+  BufferOutlet wide(ImageSpec{Pixel::gray8, 0, 4096, 1}), deep(ImageSpec{Pixel::count16, 0, 16, 2});
+  for (Outlet* other : {static_cast<Outlet*>(&wide), static_cast<Outlet*>(&deep)}) {
+    for (const char* topic : {"camera/left", "camera/right"}) {
+      std::fill_n(other->loan().row<uint8_t>(0), 64, uint8_t{9});
+      taker.begin(taken);
+      taker.see("camera/left", left.loan());
+      taker.see("camera/right", right.loan());
+      taker.see(topic, other->loan());
+      EXPECT_EQ(taken.step.reason, Reason::bad_pair) << topic;
+      EXPECT_EQ(taken.views.left[0], 1) << "nothing of it was copied";
+    }
+  }
+}
+
+TEST_F(StepTakerTest, a_label_without_its_zero_is_read_to_its_end_and_not_beyond) {
+  Events& events = taken.step.event.record;
+  events.count = Events::capacity;
+  std::fill(std::begin(events.entries[7].label), std::end(events.entries[7].label), 'L');
+  events.tally.accepted = 0x4c4c4c4c4c4c4c4c;
+  EXPECT_EQ(events.entries[7].text(), std::string(48, 'L'));
+  EXPECT_EQ(events.entries[0].text(), "");
+  const std::string line = recording::step_line(taken.step, true);
+  EXPECT_NE(line.find("\"" + std::string(48, 'L') + "\""), std::string::npos);
+}
+
 TEST_F(StepTakerTest, the_label_is_the_simulators_before_the_operators) {
   taker.see("in/drive", order.loan());
   taker.see("truth/steering", truth.loan());

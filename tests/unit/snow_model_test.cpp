@@ -133,6 +133,15 @@ TEST_F(ModelFile, is_refused_with_a_weight_or_its_list_changed) {
   EXPECT_NE(complaint().find("list of recordings"), std::string::npos);
 }
 
+TEST_F(ModelFile, is_refused_with_a_recording_that_has_no_name_or_no_weight) {
+  for (const Source& source : {Source{"", 1, false}, Source{"drives/office", 0, true}}) {
+    ModelParts parts = parts_of(weights_);
+    parts.sources.push_back(source);
+    write_model(file_, parts);
+    EXPECT_NE(complaint().find("list of recordings"), std::string::npos) << source.folder;
+  }
+}
+
 TEST_F(ModelFile, is_refused_cut_off_anywhere_or_with_more_behind_it) {
   const size_t whole = fs::file_size(file_);
   fs::resize_file(file_, whole + 1);

@@ -3,6 +3,7 @@
 #include <sysexits.h>
 
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include "config/config.h"
@@ -72,7 +73,7 @@ snow::Winnow winnow_of(const Chosen& chosen, snow::Winnow base) {
   take(chosen.seed, base.seed);
   if (!(base.alpha > 1)) refuse("--alpha must be more than 1: it promotes");
   if (!(base.beta > 0 && base.beta < 1)) refuse("--beta must be between 0 and 1: it demotes");
-  if (!(base.theta > 0)) refuse("--theta must be more than 0");
+  if (!(base.theta > 0) || !std::isfinite(base.theta)) refuse("--theta must be a number more than 0");
   return base;
 }
 

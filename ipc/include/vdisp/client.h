@@ -30,7 +30,7 @@ enum class Connection {
   wrong_name,     ///< no daemon can have the name that was asked for (64)
 };
 
-/// One look at one topic. `image` is read-only shared memory, checked (magic, version, size), and stays valid until the next call
+/// One look at one topic. `image` is read-only shared memory, checked (magic, version, kind and size), and stays valid until the next call
 /// for the same topic, release(), or the loss of the daemon inside any call of this client: then the memory is gone.
 /// Where image->flags has flag_synthetic it comes from the simulator or from files: do not drive by it.
 struct Reading {
