@@ -17,7 +17,8 @@ namespace vdisp {
 namespace {
 
 constexpr uint32_t buffers = 4;
-constexpr uint64_t colour_register = 0x50c;  // Videre: bit 31 of it, as in its driver
+constexpr int64_t oldest_ns = 3'000'000'000;  // as many frames at 1.875 Hz, and one more
+constexpr uint64_t colour_register = 0x50c;   // Videre: bit 31 of it, as in its driver
 constexpr uint64_t memory_start = 0xf0000 + 0x800, memory_quads = 1024;
 constexpr int default_width = 640, default_height = 480;
 constexpr double default_rate = 30;
@@ -186,8 +187,9 @@ Delivery Dc1394Camera::wait(int timeout_ms, RawFrame& frame) noexcept {
     frame.size = video->image_bytes;
     frame.arrival_ns = monotonic_ns();
     // The library's time is the wall clock's, of the last packet, and the same for all cameras of the bus.
-    const int64_t wall_ahead = static_cast<int64_t>(wall_clock_ns()) - frame.arrival_ns;
-    frame.exposed_ns = static_cast<int64_t>(video->timestamp) * 1000 - wall_ahead - static_cast<int64_t>(exposure_us_ * 500);
+    const int64_t age_ns = static_cast<int64_t>(wall_clock_ns()) - static_cast<int64_t>(video->timestamp) * 1000;
+    const bool stepped = age_ns < 0 || age_ns > oldest_ns;  // that clock, while the frame waited here
+    frame.exposed_ns = frame.arrival_ns - (stepped ? 0 : age_ns) - static_cast<int64_t>(exposure_us_ * 500);
     frame.count = count_;
     frame.buffer = reinterpret_cast<int64_t>(video);
     return Delivery::frame;

@@ -117,6 +117,15 @@ TEST_F(FireWire, incomplete_frames_are_counted_and_left_out) {
   EXPECT_GT(source_->cameras()->view[0].incomplete, 1u);
 }
 
+TEST_F(FireWire, a_wall_clock_that_is_stepped_moves_no_frame_in_time) {
+  config_.camera.views = "turns";
+  start("mdcs2,stepped");
+  for (int i = 0; i < 9; ++i) {
+    ASSERT_EQ(step(), Outcome::valid) << source_->fault();
+    EXPECT_NEAR(static_cast<double>(monotonic_ns() - images_[0]->timestamp_ns) * 1e-9, 0, 1) << i;
+  }
+}
+
 TEST_F(FireWire, software_triggers_start_exposures) {
   config_.camera.trigger = "software";
   config_.image_source.rate = 5;
