@@ -118,8 +118,9 @@ bool Link::open_roudi() {
     if (errno != EACCES && errno != EPERM) return fail(Connection::no_daemon, none);
     timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
-    // RouDi makes the socket before the daemon can hand it to the readers.
-    const bool starting = stat(roudi_socket, &file) == 0 && now.tv_sec - file.st_ctime < 2;
+    // RouDi makes the socket before the daemon can hand it to the readers. A socket from the future is one from before the clock was
+    // stepped.
+    const bool starting = stat(roudi_socket, &file) == 0 && now.tv_sec >= file.st_ctime && now.tv_sec - file.st_ctime < 2;
     return fail(starting ? Connection::no_daemon : Connection::no_permission,
                 starting ? "vdispd is starting" : not_permitted(roudi_socket));
   }
