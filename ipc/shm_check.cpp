@@ -9,12 +9,14 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/sysmacros.h>
 #include <sys/xattr.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -39,13 +41,16 @@ std::string mib(uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1)
 
 /// "vdispd, pid 12" of the process that holds the lock on this file.
 std::string lock_holder(const struct stat& file) {
+  // As the kernel writes it; files of other file systems may have the same number.
+  char wanted[64];
+  std::snprintf(wanted, sizeof wanted, "%02x:%02x:%llu", major(file.st_dev), minor(file.st_dev),
+                static_cast<unsigned long long>(file.st_ino));
   std::ifstream locks("/proc/locks");
   for (std::string line; std::getline(locks, line);) {
     std::istringstream words(line);
     std::string number, kind, mode, access, pid, inode;
     words >> number >> kind >> mode >> access >> pid >> inode;
-    const size_t colon = inode.rfind(':');
-    if (kind != "FLOCK" || colon == std::string::npos || inode.substr(colon + 1) != std::to_string(file.st_ino)) continue;
+    if (kind != "FLOCK" || inode != wanted) continue;
     std::string name;
     std::getline(std::ifstream("/proc/" + pid + "/comm") >> std::ws, name);
     return (name.empty() ? "a process" : name) + ", pid " + pid;
