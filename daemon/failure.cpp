@@ -5,6 +5,7 @@
 #include <sysexits.h>
 
 #include <iostream>
+#include <new>
 
 #include "daemon/control/inlet.h"
 #include "daemon/service/realtime.h"
@@ -42,6 +43,8 @@ int explain(std::exception_ptr failure) {
     return say(EX_CONFIG, error.what());
   } catch (const FormatError& error) {
     return say(EX_CONFIG, error.what());
+  } catch (const std::bad_alloc&) {
+    return say(EX_OSERR, "not enough memory for this tree; free some, raise the limit (ulimit -v, MemoryMax), or take smaller images");
   } catch (const std::exception& error) {
     return say(EX_TEMPFAIL, std::string("internal: ") + error.what());
   }

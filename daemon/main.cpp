@@ -126,10 +126,10 @@ int main(int argc, char** argv) {
   std::signal(SIGUSR1, [](int) { flight_asked = 1; });
   ConfigWatch::hold_hangup();
   std::signal(SIGPIPE, SIG_IGN);
-  log::start(parsed.options.config.main.debug);
   std::optional<Run> run;
   std::exception_ptr failure;
   attempt(failure, [&] {
+    log::start(parsed.options.config.main.debug);
     take_processors(parsed.options.config.main);
     run.emplace(parsed.options);
     run->loop();

@@ -19,7 +19,9 @@ void append(png_structp png, png_bytep data, size_t length) {
 
 void nothing_to_flush(png_structp) {}
 
-[[noreturn]] void refuse(png_structp, const char* message) { throw WriteError(75, std::string("libpng: ") + message); }
+[[noreturn]] void refuse(png_structp, const char* message) {
+  throw WriteError(std::strstr(message, "memory") ? 71 : 75, std::string("libpng: ") + message);
+}
 
 }  // namespace
 
@@ -39,7 +41,7 @@ std::string encode_png(PngKind kind, int width, int height, const std::function<
   std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, refuse, nullptr);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
-  if (!info) throw WriteError(75, "libpng: out of memory");
+  if (!info) throw WriteError(71, "libpng: insufficient memory");
   try {
     png_set_write_fn(png, &bytes, append, nothing_to_flush);
     png_set_IHDR(png, info, width, height, kind == PngKind::gray16 ? 16 : 8,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <new>
 
 #include "ipc/png.h"
 #include "probe/words.h"
@@ -154,4 +155,11 @@ int run(int argc, char** argv) {
 
 }  // namespace vdisp
 
-int main(int argc, char** argv) { return vdisp::run(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return vdisp::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::cerr << "vdisp-probe: not enough memory for what was asked; free some, or raise its limit (ulimit -v, MemoryMax)\n";
+    return 71;
+  }
+}

@@ -10,6 +10,8 @@
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <new>
+#include <system_error>
 
 #include "config/config.h"
 #include "daemon/core/clock.h"
@@ -23,6 +25,7 @@ namespace vdisp::drive {
 namespace {
 
 constexpr const char* installed_config = "/etc/vdisp/vdisp.cfg";
+constexpr const char* no_memory = "not enough memory; free some, or raise its limit (ulimit -v, MemoryMax)";
 constexpr int64_t longest_nap_ns = 10'000'000;        // an order that turns blind is seen so late at most
 constexpr int64_t shortest_nap_ns = 1'000'000;        // while a command waits for the port
 constexpr int64_t longest_ending_ns = 2'000'000'000;  // with stopDeceleration
@@ -56,8 +59,8 @@ int parse(int argc, char** argv, Options& options) {
   app.add_flag("--json", options.json, "The state as a line of JSON, once a second and on each change");
   app.add_flag("--check-config", options.check_only, "Say all that is wrong with the configuration and end");
   app.footer(
-      "Exit codes: 0 done (also SIGTERM, Ctrl-C), 64 usage, 66 no configuration file, 74 output failed, 75 internal,\n"
-      "77 no permission for port or daemon, 78 wrong configuration.");
+      "Exit codes: 0 done (also SIGTERM, Ctrl-C), 64 usage, 66 no configuration file, 71 no memory, 74 output failed,\n"
+      "75 internal, 77 no permission for port or daemon, 78 wrong configuration.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {
@@ -170,10 +173,14 @@ int run(int argc, char** argv) {
   if (code == EX_OK && options.check_only) std::cout << "nothing wrong\n" << std::flush;
   if (code != EX_OK || options.check_only) return code;
   catch_signals();
-  log::start(config.main.debug, "vdisp-drive");
   go_first();
   try {
+    log::start(config.main.debug, "vdisp-drive");
     code = drive(config, settings, options);  // whatever is thrown, the motors have been stopped by then
+  } catch (const std::bad_alloc&) {
+    code = complain(EX_OSERR, no_memory);
+  } catch (const std::system_error& error) {  // what cannot be had is a thread
+    code = complain(EX_OSERR, std::string(no_memory) + " (" + error.what() + ")");
   } catch (const std::exception& error) {
     code = complain(EX_TEMPFAIL, std::string("internal: ") + error.what());
   }
