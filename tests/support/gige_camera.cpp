@@ -1,6 +1,7 @@
 // gige_camera.cpp: a stand-in for a GigE camera that sees something: Aravis' own, with a picture, and the time in its first 64 pixels.
 // SPDX-License-Identifier: Apache-2.0
 //   vdisp-gige-camera ADDRESS SERIAL PICTURE.pgm [MS]   MS: the time stamps of every other frame are so much too late
+//   SIGUSR1: it sends no more frames and answers as before, until it is started anew by its master
 #include <arv.h>
 #include <poll.h>
 
@@ -81,19 +82,21 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s: not a PGM of 8 bits\n", argv[3]);
     return 66;
   }
-  sigset_t ends;
-  sigemptyset(&ends);
-  sigaddset(&ends, SIGTERM);
-  sigaddset(&ends, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // of the camera's thread too
+  sigset_t told;
+  sigemptyset(&told);
+  for (int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaddset(&told, signal);
+  pthread_sigmask(SIG_BLOCK, &told, nullptr);  // of the camera's thread too
   ArvGvFakeCamera* camera = arv_gv_fake_camera_new(argv[1], argv[2]);
   if (!arv_gv_fake_camera_is_running(camera)) {
     std::fprintf(stderr, "%s: no camera can be there\n", argv[1]);
     return 69;
   }
   arv_fake_camera_set_fill_pattern(arv_gv_fake_camera_get_fake_camera(camera), draw, &picture);
-  int signal = 0;
-  sigwait(&ends, &signal);
+  for (int signal = SIGUSR1; signal == SIGUSR1;) {
+    sigwait(&told, &signal);
+    if (signal == SIGUSR1)
+      arv_fake_camera_write_register(arv_gv_fake_camera_get_fake_camera(camera), ARV_FAKE_CAMERA_REGISTER_ACQUISITION, 0);
+  }
   g_object_unref(camera);
   std::printf("sent %lu frames\n", picture.sent);
   return 0;
