@@ -1,6 +1,6 @@
-// stepped_clock.c: preloaded, gives one program a wall clock that the test steps: the file named in VDISP_CLOCK holds how far ahead it is, ns.
+// stepped_clock.c: preloaded, gives one program a wall clock that a test steps: VDISP_CLOCK names a file that says how far ahead it is.
 // SPDX-License-Identifier: Apache-2.0
-// Waits until a wall time end when this clock gets there, as the kernel's do when the real one is stepped. Monotonic time is left alone.
+// Waits for a wall time end when this clock gets there, as the kernel's do. Monotonic time is left alone.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
