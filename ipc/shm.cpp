@@ -68,14 +68,15 @@ void SharedMemory::Implementation::start() {
   config.m_sharedMemorySegments.push_back({group, group, pools});
   components = new iox::roudi::IceOryxRouDiComponents(config);
   restrict_segments(rights);
-  roudi = new EmbeddedRoudi(components->rouDiMemoryManager, components->portManager);
-  new iox::runtime::PoshRuntimeSingleProcess(iox::RuntimeName_t(iox::cxx::TruncateToCapacity, daemon_runtime));
-  restrict_sockets(rights);
+  // Before RouDi's threads: they ask for users and groups too, as readers register, and libc tells both of them in one place.
   auto user = iox::posix::PosixUser::getUserOfCurrentProcess();
   auto segment = components->rouDiMemoryManager.segmentManager().value()->getSegmentInformationWithWriteAccessForUser(user);
   if (!segment.m_memoryManager.has_value())
     throw ShmError(75, "shared memory: iceoryx does not let user and group of this process write; run it with its primary group");
   memory = &segment.m_memoryManager.value().get();
+  roudi = new EmbeddedRoudi(components->rouDiMemoryManager, components->portManager);
+  new iox::runtime::PoshRuntimeSingleProcess(iox::RuntimeName_t(iox::cxx::TruncateToCapacity, daemon_runtime));
+  restrict_sockets(rights);
   std::set_terminate(before);
 }
 

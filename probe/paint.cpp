@@ -124,17 +124,17 @@ void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell)
   const Place middle = turned ? rover_of(grid) : Place{0, 0};
   const double x0 = static_cast<double>(grid.origin_column) * cell + middle.x * px,
                y0 = static_cast<double>(grid.origin_row) * cell - middle.z * px;
-  const double reach = rows * static_cast<double>(grid.cell), step = reach > 12 ? (reach > 60 ? 20 : 5) : 1;
+  const double reach = rows * static_cast<double>(grid.cell), step = reach > 400 ? reach / 10 : reach > 60 ? 20 : reach > 12 ? 5 : 1;
   for (double r = step; r < reach * 1.3; r += step) {
     for (double angle = 0; angle < M_PI; angle += 0.6 / (r * px)) {
-      const int x = static_cast<int>(x0 + r * px * std::cos(angle)), y = static_cast<int>(y0 - r * px * std::sin(angle));
+      const int x = pixel_at(x0 + r * px * std::cos(angle)), y = pixel_at(y0 - r * px * std::sin(angle));
       picture.blend({x, y, 1, 1}, colours::dim, 130);
     }
     // The number stands where the ring leaves the view, so that it hides no obstacle.
     const double side = std::atan(static_cast<double>(grid.view_right));
     const std::string label = std::to_string(static_cast<int>(r)) + " m";
-    const int x = std::min(static_cast<int>(x0 + r * px * std::sin(side)) + 6, picture.width() - Picture::text_width(label) - 2);
-    picture.text(x, static_cast<int>(y0 - r * px * std::cos(side)) - 4, label, colours::text);
+    const int x = std::min(pixel_at(x0 + r * px * std::sin(side)) + 6, picture.width() - Picture::text_width(label) - 2);
+    picture.text(x, pixel_at(y0 - r * px * std::cos(side)) - 4, label, colours::text);
   }
   if (turned) {
     // The way the rover heads.
@@ -143,8 +143,7 @@ void draw_ranges(Picture& picture, const GridGeometry& grid, int rows, int cell)
   }
   for (const double slope : {static_cast<double>(grid.view_left), static_cast<double>(grid.view_right)})
     if (!turned) picture.line(x0, y0, x0 + slope * reach * px, y0 - reach * px, colours::accent);
-  for (int i = 0; i < 12; ++i)
-    picture.fill({static_cast<int>(x0) - i / 2, static_cast<int>(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
+  for (int i = 0; i < 12; ++i) picture.fill({pixel_at(x0) - i / 2, pixel_at(y0) - 12 + i, i / 2 * 2 + 1, 1}, colours::accent);
 }
 
 /// A grid as a plan of squares; `colour` is asked by column, row and value.

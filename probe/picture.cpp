@@ -8,6 +8,8 @@
 namespace vdisp {
 namespace {
 
+constexpr int outside = 1'000'000;  // no picture reaches so far, and sums of such numbers fit
+
 uint8_t mixed(int below, int above, int weight) { return static_cast<uint8_t>((below * (256 - weight) + above * weight) >> 8); }
 
 void blend_pixel(Colour& pixel, Colour colour, int weight) {
@@ -63,12 +65,14 @@ void Picture::frame(Box box, Colour colour) {
   fill({box.x + box.width - 1, box.y, 1, box.height}, colour);
 }
 
+int pixel_at(double place) { return std::abs(place) < outside ? static_cast<int>(std::floor(place)) : -outside; }
+
 void Picture::line(double x0, double y0, double x1, double y1, Colour colour) {
   const double length = std::max(std::abs(x1 - x0), std::abs(y1 - y0));
-  if (!(length < 1e5)) return;  // also not a number
+  if (!(length < 1e5) || !(std::abs(x0) < outside) || !(std::abs(y0) < outside)) return;  // also not a number
   const int steps = std::max(1, static_cast<int>(std::ceil(length)));
   for (int i = 0; i <= steps; ++i) {
-    const int x = static_cast<int>(std::floor(x0 + (x1 - x0) * i / steps)), y = static_cast<int>(std::floor(y0 + (y1 - y0) * i / steps));
+    const int x = pixel_at(x0 + (x1 - x0) * i / steps), y = pixel_at(y0 + (y1 - y0) * i / steps);
     if (x >= 0 && x < width_ && y >= 0 && y < height_) row(y)[x] = colour;
   }
 }

@@ -17,6 +17,9 @@ struct Box {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+/// The pixel at a place, which may be any number: what is too far for a picture, or no number, is far outside of every one.
+int pixel_at(double place);
+
 /// Everything drawn is clipped to the picture. Rows are packed, three bytes a pixel.
 class Picture {
  public:

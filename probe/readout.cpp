@@ -309,7 +309,7 @@ double Place::bearing_deg() const { return std::atan2(x, z) * 180 / M_PI; }
 
 bool usable(const GridGeometry& grid) {
   const auto within = [](float value, float limit) { return std::abs(value) <= limit; };  // false for NaN
-  return grid.cell > 0 && within(grid.cell, 1e3f) && within(grid.origin_row, 1e5f) && within(grid.origin_column, 1e5f) &&
+  return grid.cell >= 1e-3f && within(grid.cell, 1e3f) && within(grid.origin_row, 1e5f) && within(grid.origin_column, 1e5f) &&
          within(grid.view_left, 1e3f) && within(grid.view_right, 1e3f);
 }
 

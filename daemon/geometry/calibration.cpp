@@ -197,6 +197,14 @@ Calibration assemble_from(const std::string& file, const std::function<StereoPar
 
 void refuse(const std::string& file, const std::string& what) { throw CalibrationError("calibration " + file + ": " + what); }
 
+std::array<int, 2> whole_size(const std::string& file, double width, double height) {
+  for (const double side_length : {width, height})
+    if (!(side_length >= 0 && side_length < 1e6))
+      refuse(file, "image size is " + text(width) + "x" + text(height) + ", needed is " + std::to_string(smallest) + " to " +
+                       std::to_string(largest) + " px each way");
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
 std::string text(double number) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.6g", number);

@@ -65,12 +65,6 @@ class Lines {
   int cut_off_ = 0;  // the last line, where it does not end
 };
 
-std::array<int, 2> size(const std::string& file, const std::array<double, 2>& numbers) {
-  for (double side : numbers)
-    if (!(side >= 0 && side < 1e6)) refuse(file, "image size is " + text(numbers[0]) + "x" + text(numbers[1]));
-  return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};
-}
-
 }  // namespace
 
 StereoParts parse_kitti(const std::string& file, const std::string& content, const ReadingOptions& options) {
@@ -89,7 +83,8 @@ StereoParts parse_kitti(const std::string& file, const std::string& content, con
       continue;
     }
     parts.projection[i] = lines.numbers<12>("P_rect_0" + number);
-    const auto wanted = size(file, lines.numbers<2>((options.unrectified ? "S_0" : "S_rect_0") + number));
+    const auto sides = lines.numbers<2>((options.unrectified ? "S_0" : "S_rect_0") + number);
+    const auto wanted = whole_size(file, sides[0], sides[1]);
     if (parts.size && *parts.size != wanted) refuse(file, "the two cameras' image sizes differ; needed is one");
     parts.size = wanted;
     if (!options.unrectified) continue;

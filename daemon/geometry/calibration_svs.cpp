@@ -175,8 +175,8 @@ void read_camera(const Ini& ini, const std::string& section, int i, StereoParts&
 }
 
 std::optional<std::array<int, 2>> image_size(const std::string& file, const Ini& ini) {
-  const auto pair = [&ini](const std::string& section, const char* w, const char* h) {
-    return std::array{static_cast<int>(ini.number(section + "/" + w, 0)), static_cast<int>(ini.number(section + "/" + h, 0))};
+  const auto pair = [&](const std::string& section, const char* w, const char* h) {
+    return whole_size(file, ini.number(section + "/" + w, 0), ini.number(section + "/" + h, 0));
   };
   const auto left = pair("left camera", "pwidth", "pheight"), right = pair("right camera", "pwidth", "pheight");
   if (left != right)

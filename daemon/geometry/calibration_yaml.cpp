@@ -29,10 +29,7 @@ EurocCamera euroc_camera(const NamedText& text) {
   if (!pose || !intrinsics || !distortion || !size)
     refuse(sheet.file(), "is incomplete; needed are T_BS, resolution, intrinsics and distortion_coefficients");
   const auto& [fx, fy, cx, cy] = *intrinsics;
-  return {cv::Matx44d(pose->data()),
-          {fx, 0, cx, 0, fy, cy, 0, 0, 1},
-          *distortion,
-          {static_cast<int>((*size)[0]), static_cast<int>((*size)[1])}};
+  return {cv::Matx44d(pose->data()), {fx, 0, cx, 0, fy, cy, 0, 0, 1}, *distortion, whole_size(sheet.file(), (*size)[0], (*size)[1])};
 }
 
 }  // namespace

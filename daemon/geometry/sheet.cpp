@@ -88,9 +88,7 @@ std::optional<std::array<int, 2>> Sheet::image_size() const {
   if (width.empty() != height.empty()) refuse(file_, "has one of image_width and image_height; needed are both");
   const auto size = matrix<2>({"image_size", "imageSize", "size"}, 2, 1);
   if (!size) return {};
-  for (double side : *size)
-    if (!(side >= 0 && side < 1e6)) refuse(file_, "image size holds " + text(side) + ", needed are pixels");
-  return std::array{static_cast<int>((*size)[0]), static_cast<int>((*size)[1])};
+  return whole_size(file_, (*size)[0], (*size)[1]);
 }
 
 }  // namespace vdisp::calibration

@@ -50,6 +50,8 @@ Calibration assemble_from(const std::string& file, const std::function<StereoPar
 std::string read_text(const std::filesystem::path& path);
 /// Throws CalibrationError "calibration FILE: WHAT".
 [[noreturn]] void refuse(const std::string& file, const std::string& what);
+/// Width and height as numbers of a file. Refused where no image can have them; check_size() in calibration.cpp looks closer.
+std::array<int, 2> whole_size(const std::string& file, double width, double height);
 /// A number for a message.
 std::string text(double number);
 

@@ -25,6 +25,7 @@ bool PrivateCopy::fill(int file, size_t bytes) {
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return false;
   memory_ = memory, mapped_ = bytes;
+  static constexpr std::array<std::byte, page> zeros{};
   std::array<std::byte, 64 * page> part;
   while (bytes_ < bytes) {
     const ssize_t now = pread(file, part.data(), std::min(part.size(), bytes - bytes_), static_cast<off_t>(bytes_));
@@ -34,8 +35,8 @@ bool PrivateCopy::fill(int file, size_t bytes) {
     const auto count = static_cast<size_t>(now);
     for (size_t from = 0; from < count; from += page) {
       const size_t size = std::min(page, count - from);
-      const bool zeros = std::all_of(part.data() + from, part.data() + from + size, [](std::byte byte) { return byte == std::byte{}; });
-      if (!zeros) std::memcpy(static_cast<std::byte*>(memory_) + bytes_ + from, part.data() + from, size);
+      if (std::memcmp(part.data() + from, zeros.data(), size) != 0)
+        std::memcpy(static_cast<std::byte*>(memory_) + bytes_ + from, part.data() + from, size);
     }
     bytes_ += count;
   }

@@ -1,4 +1,4 @@
-// config_fuzz.cpp: any text as vdisp.cfg: refused in one line a fault, or read, printed and rewritten without losing a byte.
+// config_fuzz.cpp: any text as vdisp.cfg: refused with complaints of one line, or read, printed, rewritten and merged without loss.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Behind the first line of = signs stand SECTION.KEY=VALUE, one a line: options of the command line, and what is set by hand and saved.

@@ -1,4 +1,4 @@
-// control_fuzz.cpp: any packets at the control socket: answered, refused, or the end of their connection; what is taken is sound.
+// control_fuzz.cpp: any packets at the control socket: each is answered, refused or ends its connection; what is taken is sound.
 // SPDX-License-Identifier: Apache-2.0
 //
 // An input is a row of packets: a byte says of which kind, two more how long. Behind a byte of a kind that is a type of message stands that

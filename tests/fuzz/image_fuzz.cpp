@@ -1,4 +1,4 @@
-// image_fuzz.cpp: any bytes as an image in shared memory: refused, or read within its bytes by the client library and the probe.
+// image_fuzz.cpp: any bytes as an image in shared memory: refused, or read by the client library and the probe within its bytes.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The first bytes say what is put right, so that not all is refused for its magic; then come header and rows. The block ends where the size

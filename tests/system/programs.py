@@ -17,6 +17,7 @@ import numpy
 BIN = pathlib.Path(os.environ.get("VDISP_BIN", "build/release/bin")).resolve()
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SKIPPED = 77
+PATIENCE = float(os.environ.get("VDISP_PATIENCE", "1"))  # how much slower than usual programs are: sanitizers, a busy machine
 
 
 def isolated_main(network=False):
@@ -40,7 +41,7 @@ def isolated_main(network=False):
 
 def run(program, *arguments, timeout=60, **options):
     """The finished process, with its text output."""
-    return subprocess.run([str(BIN / program), *map(str, arguments)], capture_output=True, text=True, timeout=timeout, **options)
+    return subprocess.run([str(BIN / program), *map(str, arguments)], capture_output=True, text=True, timeout=timeout * PATIENCE, **options)
 
 
 class Running:
@@ -64,7 +65,7 @@ class Running:
 
 def wait_until(condition, limit=10.0):
     """True as soon as the condition holds, False at the limit (s)."""
-    end = time.monotonic() + limit
+    end = time.monotonic() + limit * PATIENCE
     while time.monotonic() < end:
         if condition():
             return True

@@ -291,6 +291,20 @@ TEST_F(Formats, wrong_kitti_files_are_refused_with_the_line) {
   EXPECT_NE(refusal(folder_.write("c.txt", kitti), raw).find("calib_cam_to_cam"), std::string::npos);
 }
 
+TEST_F(Formats, a_size_that_no_whole_number_holds_is_refused_in_the_files_own_number) {
+  const std::string svs = calibration_texts(random_calibration(5), CalibrationFormat::svs)[0].content;
+  const size_t at = svs.find("pwidth "), end = svs.find('\n', at);
+  for (const char* width : {"3.2e+92", "-1e+10", "1e+06"})
+    EXPECT_REFUSED(folder_.write("c.ini", std::string(svs).replace(at + 7, end - at - 7, width)), std::string("image size is ") + width);
+  const std::string camera =
+      "sensor_type: camera\nT_BS:\n  rows: 4\n  cols: 4\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [752, "
+      "4e+80]\n"
+      "camera_model: pinhole\nintrinsics: [458, 457, 367, 248]\ndistortion_model: radtan\n"
+      "distortion_coefficients: [0, 0, 0, 0]\n";
+  for (const char* name : {"cam0/sensor.yaml", "cam1/sensor.yaml"}) folder_.write(name, camera);
+  EXPECT_REFUSED(folder_.path(), "image size is 752x4e+80");
+}
+
 /// Cut off anywhere, a file is refused or, where only blanks are missing, read as the whole.
 TEST_F(Formats, files_cut_off_anywhere_are_refused_or_read_right) {
   const Calibration c = random_calibration(5);

@@ -246,6 +246,14 @@ TEST(Paint, geometry_that_makes_no_sense_does_no_harm) {
     EXPECT_FALSE(map_text(image, {40, 20, true, true, false}).empty());
     EXPECT_FALSE(map_text(image, {}).empty());
   }
+  // Each number may be one, and what is made of them none: a cell of nothing, a rover at the end of the world, ten thousand rings.
+  for (float cell : {1e-38f, 1e-3f, 1e3f}) {
+    for (float pose : {0.0f, 1e8f, 3e38f, NAN}) {
+      image.grid = {cell, 1e5f, -1e5f, -1e3f, 1e3f, 1, grid_of_odometry, pose, -pose, pose};
+      EXPECT_GT(portrait("fused", image, {}).width(), 0);
+      EXPECT_FALSE(map_text(image, {}).empty());
+    }
+  }
   BufferOutlet disparity = blank(Pixel::disparity16, 4, 4);
   disparity.loan().camera = {NAN, NAN, NAN, NAN, NAN, INT32_MIN / 64, -5, {}};
   EXPECT_GT(portrait("disparity", disparity.loan(), {}).width(), 0);
@@ -463,6 +471,7 @@ TEST(Picture, drawing_outside_is_clipped) {
   picture.fill({-5, -5, 8, 8}, {9, 9, 9});
   picture.text(-3, -3, "W\xff", {255, 255, 255}, 3);
   picture.line(-1e4, -50, 1e4, 50, {7, 7, 7});
+  for (const double far : {1e7, 7e47, -1e300}) picture.line(far, far, far + 5, far, {8, 8, 8});
   picture.draw(Picture(3, 3), {-1, 8, 30, 30});
   EXPECT_EQ(fitted(640, 480, {0, 0, 100, 100}).height, 75);
 }
