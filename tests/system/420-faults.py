@@ -156,7 +156,7 @@ class Senders(FaultTest):
         daemon = self.start()
         descriptors = lambda: len(os.listdir(f"/proc/{daemon.process.pid}/fd"))
         before = descriptors()
-        steady = Steady(6)
+        steady = Steady(5)
         for number in range(100):
             victim = self.full_speed(("odometry", "deaf", "rubbish")[number % 3])
             time.sleep(random.uniform(0.005, 0.06))
@@ -181,7 +181,7 @@ class Clock(FaultTest):
             daemon = service.Supervised(self.folder, "--sim", *self.small, stdout=subprocess.DEVNULL, preexec_fn=hasten)
         with daemon:
             self.assertTrue(daemon.hears("READY=1"), daemon.text())
-            for hours in (1, -3, -24 * 365):
+            for hours in (1, -24 * 365):
                 steady = Steady(2, env=clock.environment)
                 time.sleep(0.3)
                 clock.step(hours * HOUR)
