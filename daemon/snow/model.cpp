@@ -47,7 +47,8 @@ void check_header(const std::filesystem::path& path, const std::byte* memory, si
     wrong(path, (bytes < header.file_bytes ? "is cut off: " : "has something behind its end: ") + std::to_string(bytes) +
                     " bytes, it should have " + std::to_string(header.file_bytes));
   if (bytes < model_page + model_weights_bytes) wrong(path, "is too short for its weights");
-  if (const auto text = nonsense_in(header.settings, header.obstacle, header.direction); !text.empty()) wrong(path, "no usable model: " + text);
+  if (const auto text = nonsense_in(header.settings, header.obstacle, header.direction); !text.empty())
+    wrong(path, "no usable model: " + text);
 }
 
 std::vector<Source> sources_in(std::string_view text) {
