@@ -68,8 +68,8 @@ void Recorder::add_report(Driver& driver) { driver.add("recorder", std::make_uni
 void Recorder::start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration,
                      uint64_t epoch, const std::function<std::string()>& config_text) {
   const ImageSpec camera = camera_spec(driver);
+  if (!folder.empty() || config.recorder.seconds > 0) driver.need("truth/steering");
   if (!folder.empty()) {
-    driver.need("truth/steering");
     record_ = std::make_unique<RecordThread>(folder, describe(config, camera, epoch), texts_of(config_text(), calibration), camera,
                                              [] { begin_in_background("recorder"); });
     folder_ = folder;
@@ -99,6 +99,10 @@ void Recorder::finish_step() {
 void Recorder::ask_flight() noexcept {
   if (flight_) return flight_->ask(FlightCause::signal);
   log::warn("SIGUSR1: there is no flight recorder to write; [recorder] seconds is 0");
+}
+
+void Recorder::bump() noexcept {
+  if (flight_) flight_->happened(FlightCause::bump, monotonic_ns());
 }
 
 void Recorder::finish() {

@@ -20,7 +20,8 @@ class Recorder {
  public:
   /// The stage `recorder`, which shows what this was at the end of the step before.
   void add_report(Driver& driver);
-  /// When the tree is built. `folder`: of --record, empty: none; it makes the simulator's labels as well, where there are some.
+  /// When the tree is built. `folder`: of --record, empty: none; with it, or with a flight recorder, the simulator's labels are made as
+  /// well, where there are some.
   /// Throws WriteError.
   /// `config_text`: vdisp.cfg as it is understood when it is called, by another thread.
   void start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration, uint64_t epoch,
@@ -32,6 +33,8 @@ class Recorder {
   void finish_step();
   /// SIGUSR1: the flight recorder is to write what it holds.
   void ask_flight() noexcept;
+  /// The simulated robot ran into something: as an event `bump`.
+  void bump() noexcept;
   /// Writes what waits, and says so. Throws WriteError.
   void finish();
 

@@ -28,6 +28,7 @@ void Upkeep::serve(bool flight_asked) {
   service_->expect(period_ns());
   for (std::string line; source_.news(line);) log::info("{}", line);
   if (flight_asked) recorder_.ask_flight();
+  if (source_.bumped()) recorder_.bump();
   const int64_t period = std::max<int64_t>(source_.pair_period_ns(), config_.main.period * 1'000'000LL);
   driver_.set_deadline(static_cast<int64_t>(config_.main.deadline * 1e6), period);
   const bool changed = control_->serve(driver_.sequence());

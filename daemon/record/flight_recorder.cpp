@@ -51,22 +51,23 @@ void FlightRecorder::ask(FlightCause cause) noexcept {
   if (asked_ == FlightCause::none) asked_ = cause;
 }
 
+void FlightRecorder::happened(FlightCause cause, int64_t now_ns) noexcept {
+  if (now_ns - begun_ns_ >= static_cast<int64_t>(config_.recorder.seconds * 1e9)) ask(cause);
+}
+
 void FlightRecorder::see(std::string_view topic, const Image& image) noexcept {
   taker_.see(topic, image);
-  FlightCause happened = FlightCause::none;
   if (topic == "camera/left") {
     camera_there_ = image.valid();
-    if (lost(view_, image.valid())) happened = FlightCause::camera_lost;
+    if (lost(view_, image.valid())) happened(FlightCause::camera_lost, image.ready_ns);
   } else if (topic == "floor_model" && camera_there_) {
-    if (lost(floor_, image.valid())) happened = FlightCause::floor_lost;
+    if (lost(floor_, image.valid())) happened(FlightCause::floor_lost, image.ready_ns);
   } else if (const Events* events = record_of<Events>(image)) {
     for (uint32_t i = 0; i < std::min({events->tally.in_step, events->count, Events::capacity}); ++i) {
       if (events->entries[i].text().starts_with(dump_flight_label)) ask(FlightCause::asked);
-      if (events->entries[i].text().starts_with(bump_label)) happened = FlightCause::bump;
+      if (events->entries[i].text().starts_with(bump_label)) happened(FlightCause::bump, image.ready_ns);
     }
   }
-  // What happens again within the time that a folder holds is in the last one already, as good as.
-  if (happened != FlightCause::none && image.ready_ns - begun_ns_ >= static_cast<int64_t>(config_.recorder.seconds * 1e9)) ask(happened);
 }
 
 void FlightRecorder::begin_step() noexcept {

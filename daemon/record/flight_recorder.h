@@ -36,6 +36,8 @@ class FlightRecorder {
   void finish_step(int64_t now_ns) noexcept;
   /// Somebody wants the folder: written as soon as none is being written.
   void ask(FlightCause cause) noexcept;
+  /// Likewise, but what happens again within the time that a folder holds is in the last one already, as good as.
+  void happened(FlightCause cause, int64_t now_ns) noexcept;
   /// Members that tell of the flight recorder.
   void tell(RecorderStatus& status) const noexcept;
 

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "daemon/sim/simulator.h"
 #include "daemon/sim/truth.h"
@@ -106,6 +107,7 @@ class SimSource final : public StereoSource {
     line = text;
     return true;
   }
+  bool bumped() noexcept override { return robot_ && robot_->collisions != std::exchange(bumps_, robot_->collisions); }
   void add_truth(Driver& driver, Handle camera) override { sim::add_truth_stages(driver, camera, *simulator_, config_); }
 
  private:
@@ -148,7 +150,7 @@ class SimSource final : public StereoSource {
   std::optional<RobotTrack> track_;
   sim::Order order_{};  // of the last frame
   Steering ordered_ = Steering::forward;
-  uint64_t told_collisions_ = 0, told_stuck_ = 0;
+  uint64_t told_collisions_ = 0, told_stuck_ = 0, bumps_ = 0;
   bool told_failure_ = false;
   // While ready_ the views belong to grab(), else to the painter; a world's painter waits until it is asked.
   bool ready_ = false, asked_ = false, ending_ = false;

@@ -39,6 +39,8 @@ class StereoSource : public ImageSource {
   virtual const CameraStatus* cameras() const noexcept { return nullptr; }
   /// A line that the operator should read: a camera opened, lost, back. False: there is none.
   virtual bool news(std::string&) { return false; }
+  /// A simulated robot has run into something since the last call.
+  virtual bool bumped() noexcept { return false; }
   /// Where the rover was when the last pair was taken, for a source that knows: from open() on never null then, x NaN where this pair has
   /// no pose. Header, age and tally are not filled in.
   virtual const Odometry* odometry() const noexcept { return nullptr; }

@@ -36,10 +36,11 @@ Outcome Drive::process(std::span<const Image* const> in, std::span<Image* const>
   DriveCommand& command = make_record<DriveCommand>(*out[0]);
   if (decided.valid()) command.steering = decision.steering;
   const auto& order = *in[1]->row<DriveOrder>(0);
-  if (in[1]->valid() && order.age_s < order_s) {
+  if (in[1]->valid() && order.age_s < static_cast<double>(order_ns) * 1e-9) {
     command.speed = order.speed;
     command.turn_rate = order.turn_rate;
     command.decider = Decider::operator_order;
+    command.valid_until_ns = in[1]->flags & flag_synthetic ? 0 : order.timestamp_ns + order_ns;
     return Outcome::valid;
   }
   if (!decided.valid()) {

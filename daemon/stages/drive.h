@@ -13,10 +13,11 @@ namespace vdisp {
 /// Ahead the speed is [decide] leastSpeed to speed, by the decision's clearness (paper census + SNoW, outlook: fast where nothing is near,
 /// slow where something is); it turns standing. While the detectors disagree, and half a second longer, it goes ahead at leastSpeed and
 /// turns at half the rate: two that contradict each other by turns agree in no frame that counts. The operator's order wins while it is
-/// younger than 300 ms, also where the decision is blind. Otherwise a blind decision is a blind command, and the rover stops.
+/// younger than 300 ms, also where the decision is blind, and its command ends then, however late the next frame is (what is replayed has
+/// no end: its clock is another one). Otherwise a blind decision is a blind command, and the rover stops.
 class Drive final : public ImageProcessor {
  public:
-  static constexpr double order_s = 0.3;  ///< the operator's dead-man
+  static constexpr int64_t order_ns = 300'000'000;  ///< the operator's dead-man
 
   explicit Drive(const Config& config) : config_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;

@@ -20,17 +20,18 @@ std::vector<ImageSpec> MapComparison::check(std::span<const ImageSpec> in) {
   require(in[0], Pixel::int8, "the occupancy");
   last_.assign(static_cast<size_t>(in[0].width) * in[0].height, -1);
   generation_ = 0;
+  compares_ = false;
   return {record_spec<MapChanges>()};
 }
 
 void MapComparison::begin_anew() noexcept {
   std::fill(last_.begin(), last_.end(), int8_t{-1});
-  generation_ = 0;
+  compares_ = false;  // the generation goes on: a reader may hold any that this epoch ever had
 }
 
 /// `no`: the last grid was of the frame before this one, and of the same ground.
 WholeGrid MapComparison::comparable(const Image& grid) const noexcept {
-  if (generation_ == 0 || grid.epoch != epoch_) return WholeGrid::first;
+  if (!compares_ || grid.epoch != epoch_) return WholeGrid::first;
   if (grid.sequence != sequence_ + 1) return WholeGrid::after_blind;
   return same_place(grid.grid, geometry_) ? WholeGrid::no : WholeGrid::moved;
 }
@@ -55,7 +56,7 @@ Outcome MapComparison::process(std::span<const Image* const> in, std::span<Image
   const Image& grid = *in[0];
   MapChanges& changes = make_record<MapChanges>(*out[0]);
   changes.whole = comparable(grid);
-  if (changes.whole == WholeGrid::first) generation_ = 0;
+  if (grid.epoch != epoch_) generation_ = 0;
   changes.previous = generation_;
   compare(grid, changes);
   if (changes.changed > 0) ++generation_;
@@ -63,6 +64,7 @@ Outcome MapComparison::process(std::span<const Image* const> in, std::span<Image
   sequence_ = grid.sequence;
   epoch_ = grid.epoch;
   geometry_ = grid.grid;
+  compares_ = true;
   return Outcome::valid;
 }
 

@@ -24,6 +24,7 @@ class MapComparison final : public ImageProcessor {
   void compare(const Image& grid, MapChanges& changes) noexcept;
 
   std::vector<int8_t> last_;  // row by row, no padding
+  bool compares_ = false;     // last_ is a grid that was there
   uint64_t generation_ = 0;
   uint64_t sequence_ = 0, epoch_ = 0;  // of the last grid
   GridGeometry geometry_{};

@@ -138,7 +138,8 @@ MemoryCause OdometryCheck::judge(const Image& frame, const Image& odometry, Memo
 void OdometryCheck::begin_anew() noexcept {
   before_ = newest_ = used_ = {};
   samples_ = 0;
-  frame_ = forgotten_ = 0;
+  frame_ = 0;
+  ++forgotten_;  // never back: coordinates that a reader kept mean nothing now
   why_ = MemoryCause::none;
   last_ns_ = since_ns_ = 0;
   has_used_ = has_last_ = contradicts_ = false;

@@ -136,8 +136,7 @@ void ObstacleTracks::tell(Tracks& tracks, int64_t now_ns) const noexcept {
 }
 
 void ObstacleTracks::begin_anew() noexcept {
-  followed_.clear();
-  next_id_ = 1;
+  followed_.clear();  // numbers go on: none is used again
   forgotten_ = frame_ = 0;
   last_ns_ = 0;
 }

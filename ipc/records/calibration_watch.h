@@ -27,7 +27,7 @@ struct CalibrationWatch {
   double rotation_rad;            ///< of the right camera about its view, against the calibration: rows fall to the right by so much
   double rotation_deviation_rad;  ///< likewise
   double limit_px;                ///< [image source] rowLimit
-  uint64_t drifts;                ///< how often it has drifted since the start
+  uint64_t drifts;                ///< how often it has drifted since the start or the event `recording`
 };
 
 static_assert(sizeof(CalibrationWatch) == 88);

@@ -36,22 +36,24 @@ struct Decision {
   Decider decider;
   double clearness;  ///< 0 = as near as the rover may come, 1 = nothing is near: what speed is derived from
   double since_s;    ///< how long the steering is this one
-  uint64_t changes;  ///< of the steering, since the start
+  uint64_t changes;  ///< of the steering, since the start or the event `recording`
 };
 
-/// `drive`: what the rover is to do now, and until timeout without a newer one. Blind: stop.
+/// `drive`: what the rover is to do now, and until timeout without a newer one, or until its own end if that comes first. Blind: stop.
 struct DriveCommand {
   static constexpr RecordType type = RecordType::drive_command;
-  static constexpr uint16_t version = 1;
+  static constexpr uint16_t version = 2;
   RecordHeader header;
   double speed, turn_rate;  ///< m/s ahead, rad/s to the left
   Steering steering;        ///< of the decision, also where the operator overrides it
   Decider decider;          ///< operator_order: in/drive won
   uint32_t slowed;          ///< 1: the detectors disagree, so slower than the decision alone would be
   uint32_t unused;
+  int64_t valid_until_ns;  ///< CLOCK_MONOTONIC: stop then, whatever the timeout (the operator's dead-man); 0: no end of its own
 };
 
-/// `cross_check`: the map's way ahead against the classifier. Counts are since the start, of frames where both could see.
+/// `cross_check`: the map's way ahead against the classifier. Counts are since the start or the event `recording`, of frames where both
+/// could see.
 struct CrossCheck {
   static constexpr RecordType type = RecordType::cross_check;
   static constexpr uint16_t version = 1;
@@ -65,7 +67,7 @@ struct CrossCheck {
   uint64_t agreed, only_map_free, only_snow_free;
 };
 
-static_assert(sizeof(SnowScores) == 80 && sizeof(Decision) == 40 && sizeof(DriveCommand) == 40 && sizeof(CrossCheck) == 64);
+static_assert(sizeof(SnowScores) == 80 && sizeof(Decision) == 40 && sizeof(DriveCommand) == 48 && sizeof(CrossCheck) == 64);
 
 /// One word for files, one phrase for people.
 std::string_view name(Steering steering);

@@ -16,7 +16,7 @@ struct ChangedCell {
 /// Why the list of MapChanges is no list, and the whole grid has to be read.
 enum class WholeGrid : uint32_t {
   no = 0,           ///< it need not: the list is complete
-  first = 1,        ///< nothing to compare with: the first grid of this daemon (see Image::epoch)
+  first = 1,        ///< nothing to compare with: the first grid of this epoch, or since a recording began (event `recording`)
   after_blind = 2,  ///< since the last grid there were frames without one, in which all cells were unknown
   moved = 3,        ///< the grid lies elsewhere or has other cells
   overflow = 4,     ///< more cells changed than the list holds
@@ -24,8 +24,8 @@ enum class WholeGrid : uint32_t {
 
 /// What changed in the `occupancy` of the same frame (same sequence) since the last one, topic `map_changes`; `fused_changes` tells the
 /// same of `fused`. For planners that plan again only where something changed. `generation` is one more with each frame in which anything
-/// changed, and starts at 1 with each epoch (Image::epoch, in the header of the image that carries the record). Who has a copy of the grid
-/// at generation G of the same epoch:
+/// changed, starts at 1 with each epoch (Image::epoch, in the header of the image that carries the record) and never goes back within one.
+/// Who has a copy of the grid at generation G of the same epoch:
 ///   generation == G                      has all of it, nothing changed;
 ///   previous == G and whole == no        writes the `count` cells of the list into the copy;
 ///   else                                 missed something, or there is no list: reads the whole grid.

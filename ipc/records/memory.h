@@ -38,7 +38,7 @@ struct Memory {
 /// One obstacle that was followed from frame to frame.
 struct Track {
   static constexpr uint32_t moving = 1, seen = 2, cut = 4;  ///< flags; seen: in this frame; cut: by the border of the view
-  uint32_t id;                                              ///< never used again
+  uint32_t id;                                              ///< never used again in an epoch
   uint32_t flags;
   float x, y;                    ///< m, middle of what is seen of it
   float speed_x, speed_y;        ///< m/s over the ground; where Tracks::frame is 0, against the rover

@@ -335,7 +335,8 @@ class Parameters(DriveProofs, ProgramTest):
         return disparity[disparity > 0].min()
 
     def test_image_source_corrsize(self):
-        self.falls("image source.corrsize", [5, 7, 9], lambda d: d.rejected("not_unique") + d.rejected("left_right"), "sim.noise=8")
+        self.falls("image source.corrsize", [5, 7, 9], lambda d: d.rejected("not_unique") + d.rejected("left_right"), "sim.noise=8",
+                   "image source.align=none")
 
     def test_image_source_thresh(self):
         self.rises("image source.thresh", [0, 20, 40], lambda d: d.rejected("low_texture"), "sim.texture=0.2")

@@ -32,7 +32,19 @@ def sets(*more, **named):
     return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
 
 
-def hashed(frame):
+def counted_from_the_first(told, first):
+    """What never goes back in a daemon's life counts on where a recording begins, and from the start in a replay: told from the first frame on.
+    `first` belongs to one dump."""
+    for name in ("map_changes", "fused_changes"):
+        if name in told:
+            told[name]["generation"] -= first.setdefault(name, told[name]["generation"])
+    if "memory" in told:
+        told["memory"]["forgotten"] -= first.setdefault("memory", told["memory"]["forgotten"])
+    for track in told.get("tracks", {}).get("tracks", []):
+        track["id"] -= first.setdefault("tracks", track["id"])
+
+
+def hashed(frame, first):
     """A hash for each stage of a dumped frame, and the members of frame.json that tell of it."""
     found = {}
     for path in sorted(frame.rglob("*")):
@@ -46,6 +58,7 @@ def hashed(frame):
         told["files"] = told["truth_scene"] = told["camera_status"] = told["synthetic"] = None
         for part in ("stages", "rejected"):
             told[part] = {key: value for key, value in told[part].items() if not key.startswith(NOT_OF_THE_FRAME)}
+        counted_from_the_first(told, first)
         found["frame.json"] = json.dumps(told, sort_keys=True)
     return found
 
@@ -67,10 +80,10 @@ class Recording(ProgramTest):
     def assert_same_stages(self, live, again, least, first=0):
         """Every frame of the dump `again` equals that of `live` with the same sequence."""
         frames = {json.loads((path / "frame.json").read_text())["sequence"]: path for path in live.iterdir()}
-        seen = 0
+        seen, of_live, of_again = 0, {}, {}
         for path in sorted(again.iterdir()):
             sequence = json.loads((path / "frame.json").read_text())["sequence"]
-            a, b = hashed(frames[sequence]), hashed(path)
+            a, b = hashed(frames[sequence], of_live), hashed(path, of_again)
             self.assertEqual(sorted(a), sorted(b), sequence)
             for name in a:
                 self.assertEqual(a[name], b[name], f"frame {sequence}: {name}")
@@ -208,9 +221,9 @@ class Recording(ProgramTest):
     def test_a_folder_that_holds_a_recording_is_refused_with_73(self):
         command = ("vdispd", "--sim", *sets("sim.rate=0", "main.middleware=none"), "--frames", 2, "--record", self.folder / "drive")
         self.assertEqual(run(*command).returncode, 0)
-        before = hashed(self.folder / "drive")
+        before = hashed(self.folder / "drive", {})
         self.assert_refused(run(*command), 73, "holds a recording already")
-        self.assertEqual(hashed(self.folder / "drive"), before)
+        self.assertEqual(hashed(self.folder / "drive", {}), before)
         self.assert_refused(run("vdispd", "--sim", "--record", ""), 64, "--record", "empty")
 
     def test_a_full_disk_ends_it_with_74_and_what_was_whole_is_kept(self):
@@ -325,6 +338,13 @@ class Recording(ProgramTest):
         self.assertGreater(int(self.inputs(self.folder / "drive")[0]["sequence"]), 5)
         self.replay(self.folder / "drive", self.folder / "again")
         self.assertGreater(self.assert_same_stages(self.folder / "live", self.folder / "again", 20), 20)
+        # Planners hold on to these: in the live daemon they went on.
+        frames = [json.loads((path / "frame.json").read_text()) for path in sorted((self.folder / "live").iterdir())]
+        for numbers in ([frame[name]["generation"] for frame in frames if name in frame] for name in ("map_changes", "fused_changes")):
+            self.assertGreater(len(numbers), 20)
+            self.assertEqual(numbers, sorted(numbers))
+        forgotten = [frame["memory"]["forgotten"] for frame in frames if "memory" in frame]
+        self.assertEqual(forgotten, sorted(forgotten))
 
     def test_a_rate_takes_that_many_pairs_and_labels_come_from_the_orders(self):
         self.start("main.detectors=none")
@@ -422,6 +442,37 @@ class Recording(ProgramTest):
         self.assertTrue(wait_until(lambda: daemon.text().count("flight recorder:") == 2), daemon.text())
         bump = next(self.folder / "flight" / name for name in self.flights() if "bump" in name)
         self.assertIn("bump front", (bump / "inputs.csv").read_text().splitlines()[-1])
+
+    def test_a_simulated_robots_collision_is_written_with_the_experts_labels_and_joins_the_training(self):
+        size = ("sim.width=160", "sim.height=120", "image source.ndisp=32", "sim.rate=10", "sim.scene=office")
+        drives = [self.folder / f"drive{seed}" for seed in (2, 4)]
+        for seed, drive in zip((2, 4), drives):
+            sets = [word for item in (*size, f"sim.seed={seed}", "sim.drive=expert", "sim.exploration=0.5", "main.detectors=none", "main.middleware=none")
+                    for word in ("--set", item)]
+            self.assertEqual(run("vdispd", "--sim", *sets, "--frames", 200, "--record", drive, timeout=120).returncode, 0)
+        model = self.folder / "first.model"
+        trained = run("vdisp-train", "train", *drives, "--hold-out", 0, "--size", "160x120", "--width", 32, "-o", model)
+        self.assertEqual(trained.returncode, 0, trained.stderr)
+        # Ahead, whatever is there.
+        daemon = self.start(*size, "sim.seed=6", "sim.drive=command", f"recorder.folder={self.folder}/flight", "recorder.seconds=4", "recorder.free=0")
+        with subprocess.Popen([BIN / "vdisp-probe", "send", "drive", "--wait", "5"], stdin=subprocess.PIPE, text=True, stdout=subprocess.DEVNULL) as sender:
+            def driven():
+                sender.stdin.write("0.5,0\n")
+                sender.stdin.flush()
+                return self.flights()
+            self.assertTrue(wait_until(driven, 60), daemon.text())
+            self.end(sender)
+        self.assertTrue(wait_until(lambda: "flight recorder:" in daemon.text()), daemon.text())
+        self.assertIn("sim: collision 1", daemon.text())
+        flight = self.folder / "flight" / self.flights()[0]
+        self.assertIn("bump", flight.name)
+        labels = [pair["label"] for pair in self.index(flight)]
+        self.assertGreater(len(labels), 20)
+        self.assertNotIn("none", labels)
+        self.assertTrue({"left", "right"} & set(labels[-8:]), labels)  # what it ran into was in the expert's way
+        added = run("vdisp-train", "train", "--add", flight, "-o", model, "--json")
+        self.assertEqual(added.returncode, 0, added.stderr)
+        self.assertEqual(json.loads(added.stdout)["trained_with"]["drives"], 3)
 
     def test_a_lost_floor_writes_it_once(self):
         daemon = self.start(f"recorder.folder={self.folder}/flight", "recorder.seconds=1.5", "recorder.free=0", "sim.event=cap", "sim.eventFrame=40")

@@ -9,7 +9,9 @@ import json
 import os
 import pathlib
 import signal
+import socket
 import statistics
+import struct
 import subprocess
 import sys
 import termios
@@ -44,6 +46,7 @@ class Drive(ProgramTest):
         print(f"{name}: {ROUNDS} stops, median {statistics.median(times) * 1000:.0f} ms, longest {times[-1] * 1000:.0f} ms", flush=True)
         self.assertLessEqual(times[-1], LIMIT, name)
         self.says(*says)
+        return times
 
     def driven(self, daemon, order="go 0.3 0"):
         """Moving, and what has to be so before."""
@@ -71,6 +74,23 @@ class Drive(ProgramTest):
                 self.driven(daemon)
                 return daemon.tell("silent")
             self.rounds("stale (after its 300 ms)", case, late=0.3, says=["motors stopped: no order: none for 0.3"])
+
+    def test_stops_when_the_operators_orders_end_however_slow_the_frames_are(self):
+        slow = [word for item in ("sim.light=0.05", "sim.width=160", "sim.height=120", "image source.ndisp=32", "sim.rate=4") for word in ("--set", item)]
+        with Running("vdispd", "--sim", *slow) as daemon, drive(self.controller.port, "--allow-synthetic", timeout=1) as self.link:
+            self.assertTrue(wait_until(lambda: "the order is blind" in self.link.text(), 20), self.link.text() + daemon.text())
+            with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as operator:
+                operator.connect("/run/vdisp/control")
+                def case():
+                    end = time.monotonic() + 0.8 + 0.025 * len(self.controller.commands) % 0.25  # anywhere between two frames
+                    while time.monotonic() < end or not self.controller.moves(0.001):
+                        self.assertLess(time.monotonic(), end + 10, self.link.text())
+                        stamp = time.monotonic()
+                        operator.send(struct.pack("=IHHIIqdd", 0x43534456, 1, 3, 40, 1, int(stamp * 1e9), 0.3, 0))
+                        time.sleep(0.04)
+                    return stamp
+                times = self.rounds("operator lets go (after his 300 ms), 4 frames a second", case, late=0.3, says=["the operator's order is over"])
+        self.assertLess(statistics.median(times), 0.06)
 
     def test_stops_when_the_daemon_is_killed(self):
         with drive(self.controller.port) as self.link:

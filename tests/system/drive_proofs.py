@@ -71,7 +71,7 @@ class DriveProofs:
 
     def test_drive_start(self):
         texts = [text for _, text in self.said("go 0.5 0", start="^ECHOF 1\\r")]
-        self.assertEqual(texts[:2], ["!M 0 0", "^ECHOF 1"])
+        self.assertEqual(texts[:3], ["!M 0 0", "!M 0 0", "^ECHOF 1"])
         self.assertEqual(texts.count("^ECHOF 1"), 1)
         self.assertNotEqual(wheels(texts[-1]), STOP)
 

@@ -278,15 +278,21 @@ TEST_F(DriveTest, the_operator_wins_while_the_order_is_young_also_where_nobody_s
   said.speed = -0.3;
   said.turn_rate = 0.7;
   said.age_s = 0.299;
+  said.timestamp_ns = 7000 * ms;
   for (const bool sees : {true, false}) {
     const DriveCommand& told = step(sees);
     EXPECT_TRUE(command.image().valid());
     EXPECT_EQ(told.speed, -0.3);
     EXPECT_EQ(told.turn_rate, 0.7);
     EXPECT_EQ(told.decider, Decider::operator_order);
+    EXPECT_EQ(told.valid_until_ns, 7300 * ms) << "not for a frame longer";
   }
+  order.image().flags = flag_synthetic | flag_replayed;
+  EXPECT_EQ(step().valid_until_ns, 0) << "what is replayed has its time of another clock";
+  order.image().flags = 0;
   said.age_s = 0.301;
   EXPECT_EQ(step().decider, Decider::vdisparity);
+  EXPECT_EQ(command.image().row<DriveCommand>(0)->valid_until_ns, 0);
   EXPECT_DOUBLE_EQ(command.image().row<DriveCommand>(0)->speed, config.decide.speed);
   step(false);
   EXPECT_FALSE(command.image().valid());

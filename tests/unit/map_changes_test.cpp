@@ -136,6 +136,19 @@ TEST_F(MapChangesTest, generations_begin_anew_with_an_epoch) {
   EXPECT_EQ(changes.previous, 0u);
 }
 
+TEST_F(MapChangesTest, generations_go_on_when_a_recording_begins_and_the_grid_is_to_be_read_whole) {
+  for (int i = 0; i < 4; ++i) {
+    grid.at<int8_t>(i, i) = 0;
+    step();
+  }
+  const uint64_t before = step().generation;
+  stage.begin_anew();
+  const MapChanges& changes = step();
+  EXPECT_EQ(changes.whole, WholeGrid::first);
+  EXPECT_GT(changes.generation, before) << "who has any generation of this epoch must not take it for this one";
+  EXPECT_EQ(step().whole, WholeGrid::no);
+}
+
 TEST_F(MapChangesTest, a_reader_of_lists_has_the_grid_after_500_random_frames) {
   std::mt19937 random(3);
   std::vector<int> copy(rows * columns, -2);

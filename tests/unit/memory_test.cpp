@@ -251,6 +251,20 @@ TEST_F(MemoryTest, a_moving_obstacle_has_its_speed_and_leaves_no_trail) {
   }
 }
 
+TEST_F(MemoryTest, numbers_that_readers_hold_go_on_when_a_recording_begins) {
+  world.boxes = {{3.2, 0, 0.3, 0.4, 0.8}};
+  stand(5);
+  ASSERT_EQ(tracks().count, 1u);
+  const uint32_t id = tracks().tracks[0].id, forgotten = memory().forgotten;
+  for (Stage* run : {surfaces.get(), occupancy.get(), check.get(), follow.get(), fuse.get()}) run->stage->begin_anew();
+  see();
+  EXPECT_EQ(tracks().count, 0u) << "nothing is told of what came before";
+  stand(4);
+  ASSERT_EQ(tracks().count, 1u);
+  EXPECT_GT(tracks().tracks[0].id, id);
+  EXPECT_GT(memory().forgotten, forgotten) << "coordinates of before mean nothing";
+}
+
 TEST_F(MemoryTest, from_a_driving_rover_too_what_stands_stands_and_what_moves_moves) {
   world.boxes = {{3.6, 0.9, 0.3, 0.3, 0.5}, {3.2, -1.2, 0.3, 0.4, 0.8, 0.0, 0.4}};
   drive(0.8, 0.4);

@@ -214,11 +214,24 @@ struct Given {
   }
   ~Given() { operator delete[](memory, std::align_val_t(64)); }
   Order judged(double age_s = 0.01, bool synthetic_allowed = false, Trust trust = Trust::fresh) {
-    return judge(vdisp::Reading{&image, trust, image.reason, age_s}, 0.3, synthetic_allowed);
+    return judge(vdisp::Reading{&image, trust, image.reason, age_s}, 0.3, synthetic_allowed, now_ns);
   }
   std::byte* memory;
   Image& image;
+  int64_t now_ns = 5000 * ms;
 };
+
+TEST(Orders, one_that_ends_is_over_then_however_young_it_is) {
+  Given given;
+  DriveCommand& command = *given.image.row<DriveCommand>(0);
+  command.valid_until_ns = given.now_ns + 1;
+  EXPECT_EQ(given.judged().halt, Halt::none);
+  command.valid_until_ns = given.now_ns;
+  EXPECT_EQ(given.judged().halt, Halt::over);
+  EXPECT_EQ(given.judged().speed, 0);
+  command.valid_until_ns = 0;
+  EXPECT_EQ(given.judged().halt, Halt::none) << "no end of its own";
+}
 
 TEST(Orders, a_fresh_one_is_driven_by) {
   Given given;
@@ -233,8 +246,8 @@ TEST(Orders, each_reason_not_to_drive_is_told_and_leaves_no_speed) {
   Given given;
   EXPECT_TRUE(halted(given.judged(0.301), Halt::stale));
   EXPECT_TRUE(halted(given.judged(0.01, false, Trust::dead), Halt::dead));
-  EXPECT_TRUE(halted(judge({}, 0.3, true), Halt::dead));
-  EXPECT_TRUE(halted(judge(vdisp::Reading{nullptr, Trust::stale, Reason::none, 0}, 0.3, true), Halt::stale));
+  EXPECT_TRUE(halted(judge({}, 0.3, true, 0), Halt::dead));
+  EXPECT_TRUE(halted(judge(vdisp::Reading{nullptr, Trust::stale, Reason::none, 0}, 0.3, true, 0), Halt::stale));
   EXPECT_TRUE(halted(given.judged(-0.5), Halt::nonsense));
   given.image.set_blind(Reason::too_dark);
   EXPECT_TRUE(halted(given.judged(), Halt::blind));
@@ -244,7 +257,7 @@ TEST(Orders, each_reason_not_to_drive_is_told_and_leaves_no_speed) {
 TEST(Orders, the_timeout_is_the_configurations_not_the_librarys) {
   Given given;
   EXPECT_EQ(given.judged(0.29, false, Trust::stale).halt, Halt::none);
-  EXPECT_EQ(judge(vdisp::Reading{&given.image, Trust::fresh, Reason::none, 0.2}, 0.1, false).halt, Halt::stale);
+  EXPECT_EQ(judge(vdisp::Reading{&given.image, Trust::fresh, Reason::none, 0.2}, 0.1, false, 0).halt, Halt::stale);
 }
 
 TEST(Orders, synthetic_ones_are_refused_unless_allowed) {

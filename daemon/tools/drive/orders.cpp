@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "daemon/core/clock.h"
+
 namespace vdisp::drive {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double most_early_s = 0.001;  // the clocks are one clock: an order fr
 }  // namespace
 
 std::string_view name(Halt halt) {
-  constexpr std::string_view names[] = {"none",  "ending",    "no_port",  "dead",   "stale",
+  constexpr std::string_view names[] = {"none",  "ending",    "no_port",  "dead",   "stale",  "over",
                                         "blind", "synthetic", "nonsense", "silent", "rubbish"};
   static_assert(std::size(names) == halts);
   return names[static_cast<size_t>(halt)];
@@ -26,6 +28,7 @@ std::string_view describe(Halt halt) {
                                           "no serial port",
                                           "no daemon",
                                           "no order",
+                                          "the operator's order is over: none for 0.3 s, or none in the last frame",
                                           "the order is blind",
                                           "the order is for a simulated or recorded world; --allow-synthetic drives by it",
                                           "the order is none: not a number, or not of this version",
@@ -35,7 +38,7 @@ std::string_view describe(Halt halt) {
   return phrases[static_cast<size_t>(halt)];
 }
 
-Order judge(const Reading& reading, double timeout_s, bool allow_synthetic) noexcept {
+Order judge(const Reading& reading, double timeout_s, bool allow_synthetic, int64_t now_ns) noexcept {
   Order order;
   order.age_s = reading.age_s;
   const auto halt = [&](Halt why) {
@@ -50,6 +53,7 @@ Order judge(const Reading& reading, double timeout_s, bool allow_synthetic) noex
   const DriveCommand* command = record_of<DriveCommand>(*reading.image);
   if (!command || !std::isfinite(command->speed) || !std::isfinite(command->turn_rate)) return halt(Halt::nonsense);
   if (reading.age_s < -most_early_s) return halt(Halt::nonsense);
+  if (command->valid_until_ns != 0 && now_ns >= command->valid_until_ns) return halt(Halt::over);
   if ((reading.image->flags & flag_synthetic) && !allow_synthetic) return halt(Halt::synthetic);
   order.speed = command->speed;
   order.turn_rate = command->turn_rate;
@@ -59,7 +63,7 @@ Order judge(const Reading& reading, double timeout_s, bool allow_synthetic) noex
 Orders::Orders(const std::string& instance, double timeout_s, bool allow_synthetic)
     : client_(instance), topic_(client_.subscribe("drive")), timeout_s_(timeout_s), allow_synthetic_(allow_synthetic) {}
 
-Order Orders::look() { return judge(client_.latest(topic_), timeout_s_, allow_synthetic_); }
+Order Orders::look() { return judge(client_.latest(topic_), timeout_s_, allow_synthetic_, monotonic_ns()); }
 
 Connection Orders::connection() { return client_.connection(Client::Time(0)); }
 

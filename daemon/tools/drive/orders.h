@@ -16,6 +16,7 @@ enum class Halt : uint32_t {
   no_port,    ///< the serial port is not there
   dead,       ///< no daemon, or it hangs
   stale,      ///< no order, or none for [drive] timeout
+  over,       ///< the order said until when, and that was
   blind,      ///< the order says that nobody knows
   synthetic,  ///< it is for a simulated or recorded world
   nonsense,   ///< it is no drive order, or no number
@@ -35,8 +36,8 @@ struct Order {
   double age_s = 0;
 };
 
-/// May this be driven by? `timeout_s` alone says what is stale: the client library's own limit follows the frame rate.
-Order judge(const Reading& reading, double timeout_s, bool allow_synthetic) noexcept;
+/// May this be driven by now? `timeout_s` alone says what is stale: the client library's own limit follows the frame rate.
+Order judge(const Reading& reading, double timeout_s, bool allow_synthetic, int64_t now_ns) noexcept;
 
 /// Topic `drive` of one daemon.
 class Orders {
