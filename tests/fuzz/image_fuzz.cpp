@@ -125,7 +125,7 @@ void judge(const Image& image, Bytes& bytes) {
     require(image.valid() && beat.epoch != 0 && image.epoch == beat.epoch, "what is fresh is valid, and of this daemon");
     require(std::abs(reading.age_s) <= 3 * static_cast<double>(INT32_MAX) * 1e-9, "what is fresh is of now");
   }
-  const drive::Order order = drive::judge(reading, 0.3, false);
+  const drive::Order order = drive::judge(reading, 0.3, false, now_ns);
   if (order.halt == drive::Halt::none)
     require(std::isfinite(order.speed) && std::isfinite(order.turn_rate) && !(image.flags & flag_synthetic), "an order is one");
 }
