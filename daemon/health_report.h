@@ -1,5 +1,5 @@
-// health_report.h: what of the daemon's health the driver does not know: cameras, what came in, recordings, the log; and where all of it
-// goes. SPDX-License-Identifier: Apache-2.0
+// health_report.h: what of the daemon's health the driver does not know, and where all of it goes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <memory>
