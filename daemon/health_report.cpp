@@ -6,8 +6,9 @@
 
 namespace vdisp {
 
-HealthReport::HealthReport(const Config& config, const StereoSource& source, const Inputs& inputs, const CommandSocket& control)
-    : source_(source), inputs_(inputs), control_(control) {
+HealthReport::HealthReport(const Config& config, const StereoSource& source, const Inputs& inputs, const CommandSocket& control,
+                           const RecorderStatus& recorder)
+    : source_(source), inputs_(inputs), control_(control), recorder_(recorder) {
   if (config.main.metrics.empty()) return;
   metrics_ = std::make_unique<Metrics>(config.main.metrics, config.main.name, [](std::string_view line) { log::warn("{}", line); });
 }
@@ -24,7 +25,7 @@ void HealthReport::operator()(Health& health, const Catalogue& catalogue) noexce
   }
   control_.count(health);
   health.log_lines_lost = log::lines_lost();
-  if (metrics_) metrics_->offer(health, catalogue);
+  if (metrics_) metrics_->offer(health, catalogue, recorder_);
 }
 
 }  // namespace vdisp

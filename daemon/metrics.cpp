@@ -122,12 +122,19 @@ void add_inputs(Text& text, const Health& health) {
   text.begin("reloads_total", "counter", "Times vdisp.cfg was read again.");
   text.line(label("result", "taken"), health.reloads);
   text.line(label("result", "refused"), health.reloads_refused);
-  text.one("log_lines_lost_total", "counter", "Lines given up while standard error took none.", health.log_lines_lost);
+}
+
+void add_recorder(Text& text, const RecorderStatus& recorder) {
+  text.begin("flight_recorder_folders_total", "counter", "Folders that the flight recorder was to write.");
+  text.line(label("result", "written"), recorder.written);
+  text.line(label("result", "failed"), recorder.failed);
+  text.one("flight_recorder_steps_lost_total", "counter", "Steps it could not keep while older ones were being written.", recorder.lost);
 }
 
 }  // namespace
 
-std::string metrics_text(const Health& health, const Catalogue& catalogue, const std::string& instance, bool up) {
+std::string metrics_text(const Health& health, const Catalogue& catalogue, const RecorderStatus& recorder, const std::string& instance,
+                         bool up) {
   Text text;
   text.begin("up", "gauge", "1 while the daemon runs, 0 when it has ended in good order.");
   std::string escaped;
@@ -137,12 +144,14 @@ std::string metrics_text(const Health& health, const Catalogue& catalogue, const
   add_stages(text, catalogue);
   if (health.cameras) add_cameras(text, health.camera);
   add_inputs(text, health);
+  add_recorder(text, recorder);
+  text.one("log_lines_lost_total", "counter", "Lines given up while standard error took none.", health.log_lines_lost);
   return text.take();
 }
 
 Metrics::Metrics(std::filesystem::path file, std::string instance, Tell tell)
     : file_(std::move(file)), instance_(std::move(instance)), tell_(std::move(tell)), counts_(std::make_unique<Counts>()) {
-  write_file(file_, metrics_text(counts_->health, counts_->catalogue, instance_, true));
+  write_file(file_, metrics_text(counts_->health, counts_->catalogue, counts_->recorder, instance_, true));
   sem_init(&news_, 0, 0);
   thread_ = std::thread([this] { work(); });
 }
@@ -155,10 +164,11 @@ Metrics::~Metrics() {
   write(false);
 }
 
-void Metrics::offer(const Health& health, const Catalogue& catalogue) noexcept {
+void Metrics::offer(const Health& health, const Catalogue& catalogue, const RecorderStatus& recorder) noexcept {
   if (full_.load(std::memory_order_acquire)) return;
   counts_->health = health;
   counts_->catalogue = catalogue;
+  counts_->recorder = recorder;
   full_.store(true, std::memory_order_release);
   sem_post(&news_);
 }
@@ -177,7 +187,7 @@ void Metrics::work() {
 
 void Metrics::write(bool up) {
   try {
-    write_file(file_, metrics_text(counts_->health, counts_->catalogue, instance_, up));
+    write_file(file_, metrics_text(counts_->health, counts_->catalogue, counts_->recorder, instance_, up));
     if (failed_) tell_("metrics: " + file_.string() + " is written again");
     failed_ = false;
   } catch (const WriteError& error) {

@@ -17,7 +17,8 @@
 namespace vdisp {
 
 /// Text format 0.0.4, as node_exporter's textfile collector reads it. `up`: the daemon goes on.
-std::string metrics_text(const Health& health, const Catalogue& catalogue, const std::string& instance, bool up);
+std::string metrics_text(const Health& health, const Catalogue& catalogue, const RecorderStatus& recorder, const std::string& instance,
+                         bool up);
 
 /// A thread that writes the file, whole or not at all, each time it is given new counts. The loop never waits for it.
 class Metrics {
@@ -32,12 +33,13 @@ class Metrics {
   Metrics& operator=(const Metrics&) = delete;
 
   /// Counts to be written. While the ones before are still being written they are passed over. No allocation, no wait.
-  void offer(const Health& health, const Catalogue& catalogue) noexcept;
+  void offer(const Health& health, const Catalogue& catalogue, const RecorderStatus& recorder) noexcept;
 
  private:
   struct Counts {
     Health health{};
     Catalogue catalogue{};
+    RecorderStatus recorder{};
   };
   void work();
   void write(bool up);

@@ -25,6 +25,8 @@ class Recorder {
   /// `config_text`: vdisp.cfg as it is understood when it is called, by another thread.
   void start(const std::string& folder, Driver& driver, const Config& config, const std::optional<Calibration>& calibration, uint64_t epoch,
              const std::function<std::string()>& config_text);
+  /// As it was at the end of the last step.
+  const RecorderStatus& status() const { return status_; }
   void see(const Topic& topic, const Image& image) noexcept;
   /// After each step. Throws WriteError where --record cannot go on.
   void finish_step();

@@ -18,7 +18,7 @@ Upkeep::Upkeep(Driver& driver, Config& config, StereoSource& source, Inputs& inp
 void Upkeep::begin(const ConfigOrigin& origin, const std::string& record, uint64_t epoch, bool serves, std::function<bool()> attachable) {
   control_.emplace(config_, origin, inputs_, serves,
                    [](std::string_view line, bool fault) { fault ? log::warn("{}", line) : log::info("{}", line); });
-  report_.emplace(config_, source_, inputs_, *control_);
+  report_.emplace(config_, source_, inputs_, *control_, recorder_.status());
   driver_.set_reporter([this](Health& health, const Catalogue& catalogue) { (*report_)(health, catalogue); });
   recorder_.start(record, driver_, config_, source_.calibration(), epoch, [this] { return control_->config_text(); });
   service_.emplace(config_, std::move(attachable));

@@ -8,6 +8,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -207,6 +208,16 @@ class Metrics(Daemon):
         daemon.process.terminate()
         self.assertEqual(daemon.process.wait(20), 0, daemon.text())
         self.assertIn("metrics: ", daemon.text())
+
+    def test_what_the_flight_recorder_could_not_write_is_counted(self):
+        (self.folder / "no-folder").write_text("a file")
+        file = self.folder / "vdisp.prom"
+        daemon = self.start("--set", "recorder.seconds=1", "--set", f"recorder.folder={self.folder}/no-folder", "--set", f"main.metrics={file}")
+        self.assertIn('vdisp_flight_recorder_folders_total{result="failed"} 0', file.read_text())
+        daemon.process.send_signal(signal.SIGUSR1)
+        self.assertTrue(wait_until(lambda: 'vdisp_flight_recorder_folders_total{result="failed"} 1' in file.read_text(), 8), file.read_text())
+        self.assertIn('vdisp_flight_recorder_folders_total{result="written"} 0', file.read_text())
+        self.assertIn("vdisp_flight_recorder_steps_lost_total 0", file.read_text())
 
     def test_a_disk_that_fills_is_said_once_and_costs_no_frame(self):
         disk = self.folder / "disk"

@@ -133,7 +133,7 @@ TEST(MetricsText, counts_stand_in_lines_that_prometheus_reads_and_buckets_are_cu
   health.frames = 12;
   health.blind[static_cast<uint32_t>(Reason::no_floor)] = 3;
   for (const int64_t one : {4 * ms, 4 * ms, 12 * ms, 700 * ms}) health.latency.add(one);
-  const std::string text = metrics_text(health, catalogue, "a\"b", true);
+  const std::string text = metrics_text(health, catalogue, {}, "a\"b", true);
   for (const char* line : {"vdisp_up{name=\"a\\\"b\"} 1\n", "vdisp_frames_total 12\n", "vdisp_blind_frames_total{reason=\"no_floor\"} 3\n",
                            "vdisp_latency_seconds_bucket{le=\"0.003\"} 0\n", "vdisp_latency_seconds_bucket{le=\"0.005\"} 2\n",
                            "vdisp_latency_seconds_bucket{le=\"0.015\"} 3\n", "vdisp_latency_seconds_bucket{le=\"+Inf\"} 4\n",
@@ -142,7 +142,7 @@ TEST(MetricsText, counts_stand_in_lines_that_prometheus_reads_and_buckets_are_cu
   EXPECT_EQ(text.find("vdisp_camera"), text.npos) << "there are none";
   health.cameras = 1;
   health.camera.view[1].incomplete = 9;
-  EXPECT_NE(metrics_text(health, catalogue, "a", true).find("vdisp_camera_incomplete_frames_total{camera=\"right\"} 9\n"), text.npos);
+  EXPECT_NE(metrics_text(health, catalogue, {}, "a", true).find("vdisp_camera_incomplete_frames_total{camera=\"right\"} 9\n"), text.npos);
 }
 
 TEST(MetricsTest, the_file_follows_the_counts_and_says_at_the_end_that_it_is_the_end) {
@@ -154,7 +154,7 @@ TEST(MetricsTest, the_file_follows_the_counts_and_says_at_the_end_that_it_is_the
     Metrics metrics(file, "rover", [](std::string_view line) { ADD_FAILURE() << line; });
     EXPECT_NE(content(file).find("vdisp_up{name=\"rover\"} 1\n"), std::string::npos);
     health.frames = 77;
-    metrics.offer(health, catalogue);
+    metrics.offer(health, catalogue, {});
     for (int i = 0; i < 500 && content(file).find("vdisp_frames_total 77\n") == std::string::npos; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     EXPECT_NE(content(file).find("vdisp_frames_total 77\n"), std::string::npos);
