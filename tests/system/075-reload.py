@@ -8,11 +8,12 @@ import json
 import os
 import pathlib
 import signal
+import statistics
 import subprocess
 import threading
 import time
 
-from programs import ProgramTest, Running, isolated_main, run, wait_until
+from programs import BIN, ProgramTest, Running, isolated_main, run, wait_until
 
 SMALL = ("--set", "sim.width=160", "--set", "sim.height=120", "--set", "image source.ndisp=32", "--set", "sim.rate=30")
 BEGIN = "# my rover\n[Map]\nminCount = 5  ; cells\n[image source]\nthresh = 12\n"
@@ -194,10 +195,19 @@ class Reload(ProgramTest):
     def test_a_hundred_hangups_and_a_file_written_all_the_time_cost_no_frame(self):
         self.start()
 
+        told = []  # when, steps: once a second
+        probe = subprocess.Popen([str(BIN / "vdisp-probe"), "stats", "--json"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(probe.wait)
+        self.addCleanup(probe.kill)
+        self.addCleanup(probe.stdout.close)
+        threading.Thread(target=lambda: [told.append((time.monotonic(), json.loads(line)["steps"])) for line in probe.stdout], daemon=True).start()
+
         def frames_in(seconds):
-            before, begin = self.health()["frames"], time.monotonic()
+            """Frames a second."""
+            begin = len(told)
             time.sleep(seconds)
-            return (self.health()["frames"] - before) / (time.monotonic() - begin)
+            (first, before), (last, after) = told[begin], told[-1]
+            return (after - before) / (last - first)
 
         def write():
             number = 0
@@ -206,18 +216,18 @@ class Reload(ProgramTest):
                 self.config.write_text(BEGIN.replace("= 5", f"= {5 + number % 90}"))
                 if number % 2:
                     self.hang_up()
-        for _ in range(4):  # others may want the machine for themselves just then
-            usual = frames_in(3)
-            before = self.health()["reloads"]
+        # Times with and without by turns, as others may want the machine just then; what costs frames costs them in most of the pairs.
+        before = self.health()["reloads"]
+        shares = []
+        for _ in range(5):
+            usual = frames_in(3.5)
             ended = threading.Event()
             writer = threading.Thread(target=write)
             writer.start()
-            found = frames_in(4)
+            shares.append(frames_in(3.5) / usual)
             ended.set()
             writer.join()
-            if found > 0.9 * usual:
-                break
-        self.assertGreater(found, 0.9 * usual, "frames a second, while the file is read again and again, and before")
+        self.assertGreater(statistics.median(shares), 0.9, shares)
         self.assertTrue(wait_until(lambda: self.health()["reloads"] > before + 5, 5))
         self.config.write_text(BEGIN.replace("= 5", "= 3"))
         self.assertTrue(wait_until(lambda: self.value("minCount") == "3", 5), "the last one holds")
