@@ -8,6 +8,7 @@
 #include "daemon/core/clock.h"
 #include "daemon/geometry/calibration_write.h"
 #include "daemon/log/log.h"
+#include "daemon/record/flight_place.h"
 
 namespace vdisp {
 namespace {
@@ -78,6 +79,8 @@ void Recorder::start(const std::string& folder, Driver& driver, const Config& co
     flight_ = std::make_unique<FlightRecorder>(config, camera, describe(config, camera, epoch),
                                                [calibration, config_text] { return texts_of(config_text(), calibration); });
     flight_->tell(status_);
+    if (const std::string trouble = trouble_with_flight_place(config.recorder.folder); !trouble.empty())
+      log::warn("flight recorder: {}", trouble);
   }
 }
 

@@ -440,6 +440,19 @@ class Recording(ProgramTest):
         self.assert_refused(run("vdisp-probe", "dump-flight"), 74, "MiB are free", "[recorder] free")
         self.assertEqual(self.flights(), [])
 
+    def test_a_folder_that_cannot_be_written_is_said_at_the_start(self):
+        (self.folder / "file").touch()
+        daemon = self.start(f"recorder.folder={self.folder}/file/flight", "recorder.seconds=1", "main.detectors=none")
+        self.assertRegex(daemon.text(), r"flight recorder: .*/file/flight: cannot be written \(Not a directory\).*ReadWritePaths")
+        self.assertIsNone(daemon.process.poll(), "the rover is not blind for it")
+        good = self.folder / "good"
+        daemon.process.terminate()
+        daemon.process.wait(20)
+        time.sleep(0.1)  # iceoryx refuses a successor within milliseconds
+        daemon = self.start(f"recorder.folder={good}/flight", "recorder.seconds=1", "main.detectors=none")
+        self.assertNotIn("flight recorder:", daemon.text())
+        self.assertTrue((good / "flight").is_dir())
+
     def test_a_disk_that_is_full_before_the_end_keeps_the_whole_pairs_and_the_daemon_goes_on(self):
         place = self.folder / "flight"
         place.mkdir()

@@ -72,6 +72,23 @@ class Units(unittest.TestCase):
         self.assertEqual(said["RestartPreventExitStatus"].split(),
                          [str(run("vdispd", *words).returncode) for words in (["--nonsense"], ["--set", "main.threads=none"])])
 
+    def test_what_the_docs_have_the_service_write_is_open_in_its_sandbox_or_by_the_drop_in_that_stands_there(self):
+        said = dict(directives(self.units[self.folder / "vdispd.service"]))
+        own = [f"/var/lib/{said['StateDirectory']}", *said["ReadWritePaths"].replace("-/", "/").split()]
+        for page, key in (("health.md", "metrics"), ("recording.md", "folder")):
+            text = (ROOT / "docs" / page).read_text()
+            dropped_in = re.findall(r"ReadWritePaths=([\w/.-]+)", text)
+            self.assertTrue(dropped_in, page)
+            for place in re.findall(rf"`(?:\[\w+\] )?{key} = (/[\w/.-]+)`", text):
+                self.assertTrue(any(place.startswith(folder + "/") for folder in own + dropped_in), f"{page}: {place} is closed by {own}")
+        # As systemd understands it beside the unit.
+        folder = self.folder / "vdispd.service.d"
+        folder.mkdir()
+        for block in re.findall(r"(?s)```ini\n(\[Service\]\n.*?)```", (ROOT / "docs/health.md").read_text()):
+            (folder / "override.conf").write_text(block)
+            done = subprocess.run(["systemd-analyze", "verify", "--man=no", self.folder / "vdispd.service"], capture_output=True, text=True, timeout=30)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_the_motor_link_gets_serial_ports_and_no_network(self):
         text = self.units[self.folder / "vdisp-drive.service"]
         said = dict(directives(text))
