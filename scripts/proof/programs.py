@@ -39,8 +39,8 @@ class Programs:
     def start(self, program, *words, output=subprocess.DEVNULL, errors=subprocess.DEVNULL, before=()):
         return subprocess.Popen(self.command(program, *words, before=before), cwd=self.work, stdin=subprocess.DEVNULL, stdout=output, stderr=errors)
 
-    def run(self, program, *words, timeout=60):
-        return subprocess.run(self.command(program, *words), cwd=self.work, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout)
+    def run(self, program, *words, timeout=60, before=()):
+        return subprocess.run(self.command(program, *words, before=before), cwd=self.work, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout)
 
     def json(self, program, *words, timeout=60):
         """What a probe prints as JSON; None where it failed."""

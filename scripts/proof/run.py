@@ -131,7 +131,7 @@ class Run:
         """How long a new reader takes to a map, s; None where it gets none."""
         begin = time.monotonic()
         try:
-            done = self.programs.run("vdisp-planner", "--frames", 1, timeout=5)
+            done = self.programs.run("vdisp-planner", "--frames", 1, timeout=5, before=self.before)
         except subprocess.TimeoutExpired:
             return None
         return time.monotonic() - begin if done.returncode == 0 else None

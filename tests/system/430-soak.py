@@ -187,7 +187,7 @@ class Scripts(unittest.TestCase):
         self.assertEqual(set(told["cases"]), {"idle", "busy"}, done.stderr)
         for name, case in told["cases"].items():
             hands, daemon = case["hands"], case["daemon"]
-            self.assertGreater(hands["count"], 60, name)
+            self.assertGreater(hands["count"], 20, name)
             self.assertGreater(hands["p50_ms"], 0.9 * daemon["p50_ms"])
             self.assertEqual(sum(bucket["count"] for bucket in hands["histogram"]), hands["count"])
             self.assertEqual(hands["blind"], 0)
