@@ -17,20 +17,23 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 // A daemon that is well finds a new reader in its next round, after 0.1 s on an idle machine; one that is stopped is known by 1 s of
 // silence, one of another name by 2 s.
-constexpr double answer_s = 2.5;
+constexpr double answer_s = 2.5, longest_round_s = 0.5;
 
 void request_stop(int) { stop_requested = 1; }
 
 }  // namespace
 
 void attach(Client& client, const Options& options) {
-  const auto start = std::chrono::steady_clock::now();
+  using Clock = std::chrono::steady_clock;
   Connection connection = client.connection();
+  double waited_s = 0;
   while (connection == Connection::no_daemon && !stopped()) {
-    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
     const bool served = probe_socket(roudi_socket) == Probe::alive;
-    if (waited.count() >= (served ? std::max(options.wait_s, answer_s) : options.wait_s)) break;
+    if (waited_s >= (served ? std::max(options.wait_s, answer_s) : options.wait_s)) break;
+    const Clock::time_point begin = Clock::now();
     connection = client.wait_for_daemon(Client::Time(200)) ? Connection::connected : client.connection();
+    // One that was itself stopped (SIGSTOP) has not waited for the daemon.
+    waited_s += std::min(std::chrono::duration<double>(Clock::now() - begin).count(), longest_round_s);
   }
   switch (connection) {
     case Connection::connected: return;

@@ -61,6 +61,19 @@ class Probe(ProgramTest):
                 probe.process.terminate()
                 self.assertEqual((probe.process.wait(10), probe.text()), (0, ""))
 
+    def test_a_probe_that_is_stopped_while_it_attaches_attaches_when_it_goes_on(self):
+        self.publisher()
+        probes = []
+        for i in range(30):
+            probes.append(Running("vdisp-probe", "list", stdout=subprocess.DEVNULL))
+            self.addCleanup(probes[-1].__exit__)
+            time.sleep(0.004 * (i + 1))
+            probes[-1].process.send_signal(signal.SIGSTOP)
+        time.sleep(3)
+        for i, probe in enumerate(probes):
+            probe.process.send_signal(signal.SIGCONT)
+            self.assertEqual(probe.process.wait(20), 0, f"stopped after {4 * (i + 1)} ms: {probe.text()}")
+
     def test_a_healthy_daemon_answers_every_call_also_on_a_busy_machine(self):
         self.publisher()
         busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
