@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -68,12 +69,19 @@ bool parse_trial(const std::string& line, Trial& t) {
 
 TrialTable::TrialTable(std::string path, const std::string& question) : path_(std::move(path)) {
   std::string text;
-  if (std::ifstream file(path_, std::ios::binary); file) text.assign(std::istreambuf_iterator<char>(file), {});
+  if (std::ifstream file(path_, std::ios::binary); file)
+    text.assign(std::istreambuf_iterator<char>(file), {});
+  else if (std::error_code error; std::filesystem::exists(path_, error))
+    throw ToolError(EX_NOPERM, path_ + ": cannot be read; give another name with --table");
+  // Cut off in its first line it is what such a line begins with, or nothing of ours.
+  const std::string first = "# " + question + "\n";
+  if (text.find('\n') == std::string::npos && first.compare(0, text.size(), text) != 0)
+    throw ToolError(EX_CONFIG, path_ + ": no table of vdisp-train tune; give another name with --table");
   text.resize(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);  // what was cut off
   read(text, question);
   file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (file_ < 0) throw ToolError(EX_CANTCREAT, path_ + ": cannot be written: " + std::strerror(errno));
-  const std::string begin = text.empty() ? "# " + question + "\n" + head + "\n" : "";
+  const std::string begin = text.empty() ? first + head + "\n" : "";
   const bool ready = ftruncate(file_, static_cast<off_t>(text.size())) == 0 && lseek(file_, 0, SEEK_END) >= 0 &&
                      write(file_, begin.data(), begin.size()) == static_cast<ssize_t>(begin.size());
   if (!ready) throw ToolError(EX_IOERR, path_ + ": cannot be written: " + std::strerror(errno));
