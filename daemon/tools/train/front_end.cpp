@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 #include <vector>
 
 #include "config/config.h"
@@ -31,8 +32,16 @@ Config config_of(const Recording& recording, const snow::Settings& settings) {
   Config config;
   // What else the recording was made with is of no concern, but a mosaic has to
   // be made grey.
-  if (Config theirs; !recording.configuration().empty() && read_config(recording.configuration(), {}, theirs).complaints.empty())
+  if (!recording.configuration().empty()) {
+    Config theirs;
+    const ConfigReading reading = read_config(recording.configuration(), {}, theirs);
+    if (!reading.complaints.empty()) {
+      std::ostringstream text;
+      text << reading.complaints.front() << "; it would say whether the pictures are colour mosaics, take that line away or put it right";
+      throw ToolError(EX_NOINPUT, text.str());
+    }
     config.image_source.bayer = theirs.image_source.bayer;
+  }
   config.census.scale = scale;
   config.census.smooth = settings.smooth == snow::Smooth::none ? "none" : settings.smooth == snow::Smooth::mean ? "mean" : "median";
   config.census.block = static_cast<int>(settings.block);

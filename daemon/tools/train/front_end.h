@@ -15,8 +15,8 @@ namespace vdisp::train {
 /// time; machines may be shared if they have one thread.
 class FrontEnd {
  public:
-  /// Throws ToolError (66) where the recording's size is no multiple of the settings', FormatError where the stages refuse it,
-  /// RecordingError and CalibrationError.
+  /// Throws ToolError (66) where the recording's size is no multiple of the settings' or its vdisp.cfg is not understood, FormatError where
+  /// the stages refuse it, RecordingError and CalibrationError.
   FrontEnd(const Recording& recording, const snow::Settings& settings, Machine& machine);
   ~FrontEnd();
   /// Reads a pair and runs the stages. Not none: the daemon would be blind with it, and there are no features. Throws RecordingError
