@@ -16,11 +16,6 @@ namespace {
 
 using Word = int (*)(const Options&);
 
-const std::vector<std::string>& encoding_names() {
-  static const std::vector<std::string> names{"disparity-map", "depth-map", "contour", "contour-height"};
-  return names;
-}
-
 void add_winnow(CLI::App* word, Chosen& chosen) {
   const auto add = [&](const char* name, auto& value, const char* help) { return word->add_option(name, value, help)->group("Network"); };
   add("--theta", chosen.theta, "Threshold of a target's activation [1]");

@@ -23,25 +23,16 @@ enum class Anchor { start, middle, end };
 /// px of a point of the unit square.
 Point at(double x, double y) { return {left + x * side, top + (1 - y) * side}; }
 
-class Pen {
- public:
-  virtual ~Pen() = default;
-  virtual void line(const Points& points, const Colour& colour, int thick) = 0;
-  virtual void area(const Points& points, const Colour& colour) = 0;
-  /// Upwards where `turned`.
-  virtual void text(const std::string& text, Point at, int size, Anchor anchor, bool turned = false) = 0;
-};
+// A pen draws lines, areas and text (upwards where `turned`); there are two, and draw() is made for each.
 
-class SvgPen final : public Pen {
+class SvgPen {
  public:
-  void line(const Points& points, const Colour& colour, int thick) override {
+  void line(const Points& points, const Colour& colour, int thick) {
     put("<polyline fill=\"none\" stroke=\"" + hex(colour) + "\" stroke-width=\"" + std::to_string(thick) + "\" points=\"" + list(points) +
         "\"/>");
   }
-  void area(const Points& points, const Colour& colour) override {
-    put("<polygon fill=\"" + hex(colour) + "\" points=\"" + list(points) + "\"/>");
-  }
-  void text(const std::string& text, Point p, int size, Anchor anchor, bool turned) override {
+  void area(const Points& points, const Colour& colour) { put("<polygon fill=\"" + hex(colour) + "\" points=\"" + list(points) + "\"/>"); }
+  void text(const std::string& text, Point p, int size, Anchor anchor, bool turned = false) {
     static constexpr const char* anchors[] = {"start", "middle", "end"};
     const std::string place = number(p[0]) + (turned ? " " : "\" y=\"") + number(p[1]);
     const std::string where = turned ? "transform=\"translate(" + place + ") rotate(-90)\"" : "x=\"" + place + "\"";
@@ -79,16 +70,16 @@ class SvgPen final : public Pen {
   std::string body_;
 };
 
-class PngPen final : public Pen {
+class PngPen {
  public:
   PngPen() : sheet_(height, width, CV_8UC3, cv::Scalar(255, 255, 255)) {}
-  void line(const Points& points, const Colour& colour, int thick) override {
+  void line(const Points& points, const Colour& colour, int thick) {
     cv::polylines(sheet_, std::vector{fixed(points)}, false, scalar(colour), thick, cv::LINE_AA, shift);
   }
-  void area(const Points& points, const Colour& colour) override {
+  void area(const Points& points, const Colour& colour) {
     cv::fillPoly(sheet_, std::vector{fixed(points)}, scalar(colour), cv::LINE_AA, shift);
   }
-  void text(const std::string& text, Point p, int size, Anchor anchor, bool turned) override {
+  void text(const std::string& text, Point p, int size, Anchor anchor, bool turned = false) {
     const double scale = size / 28.0;
     int base = 0;
     const cv::Size box = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &base);
@@ -119,6 +110,7 @@ class PngPen final : public Pen {
   cv::Mat sheet_;
 };
 
+template <class Pen>
 void draw_frame(const Plot& plot, Pen& pen) {
   for (int i = 0; i <= 5; ++i) {
     const double part = i / 5.0;
@@ -136,6 +128,7 @@ void draw_frame(const Plot& plot, Pen& pen) {
   pen.text(plot.y, {30, top + side / 2.0}, 15, Anchor::middle, true);
 }
 
+template <class Pen>
 void draw(const Plot& plot, Pen& pen) {
   if (plot.filled && !plot.curves.empty()) {
     Points under;
@@ -156,9 +149,9 @@ void draw(const Plot& plot, Pen& pen) {
   }
 }
 
-template <class Kind>
+template <class Pen>
 std::string drawn(const Plot& plot) {
-  Kind pen;
+  Pen pen;
   draw(plot, pen);
   return pen.whole();
 }

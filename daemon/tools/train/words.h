@@ -18,6 +18,13 @@ class ToolError : public std::runtime_error {
   int exit_code;
 };
 
+/// All there are.
+inline std::vector<std::string> encoding_names() {
+  std::vector<std::string> names;
+  for (const snow::Encoding encoding : snow::encodings) names.emplace_back(name(encoding));
+  return names;
+}
+
 /// What of Settings and Winnow the command line says; the rest is that of the model that is added to, or the default.
 struct Chosen {
   std::string encoding, smooth, size;
@@ -29,7 +36,7 @@ struct Chosen {
 struct Grid {
   std::vector<uint32_t> blocks{5, 7, 9, 13}, widths{32, 48};
   std::vector<double> confidences{0.4, 0.8, 1.2}, thick{0, 0.2};
-  std::vector<std::string> smooths{"none", "mean", "median"}, encodings{"disparity-map", "depth-map", "contour", "contour-height"};
+  std::vector<std::string> smooths{"none", "mean", "median"}, encodings = encoding_names();
   size_t trials = 0;    ///< front ends at most, 0: all
   size_t pairs = 4000;  ///< of all recordings together, thinned evenly
   std::string table = "tune.csv";
