@@ -67,6 +67,18 @@ TEST(MatchHamming, the_widest_search_does_not_overflow) {
     kernels(level).match_hamming(search, 0, 25, scratch, out.plane());
     EXPECT_EQ(out.at(300, 12), refused) << level << ": all cost the same, so there is no confidence";
   }
+  // All 8 bits of each pixel differ but at one shift, and partly at those next to it: the sum over the shifts is as great as it can be
+  // where anything is found, and the confidence asks for all of it.
+  for (int y = 0; y < 25; ++y)
+    for (int x = 190; x <= 210; ++x) right.at(x, y) = 255;
+  const int costs = 8 * 21 * (256 * 21 - 21 * 21);
+  for (const std::string& level : levels()) {
+    Picture<int16_t> out(330, 25);
+    kernels(level).match_hamming(search_in(left, right, 21, 256, costs), 0, 25, scratch, out.plane());
+    EXPECT_EQ(out.at(300, 12), 16 * 100) << level;
+    kernels(level).match_hamming(search_in(left, right, 21, 256, costs + 1), 0, 25, scratch, out.plane());
+    EXPECT_EQ(out.at(300, 12), refused) << level;
+  }
 }
 
 TEST(MatchHamming, finds_the_shift_where_window_and_search_are_inside) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 #include "daemon/stages/census_disparity.h"
@@ -116,10 +117,15 @@ TEST_F(SecondDetectorTest, a_wall_and_a_box_have_their_disparities) {
 TEST_F(SecondDetectorTest, brightness_and_contrast_of_a_camera_change_nothing) {
   config.census.smooth = "none";
   const auto before = disparity();
-  right.fill<uint8_t>([&](int row, int column) { return static_cast<uint8_t>(20 + scene.grey(row, column, 1)); });
-  const auto after = disparity();
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < width; ++column) ASSERT_EQ(before->at<int16_t>(row, column), after->at<int16_t>(row, column));
+  // Grey levels are 60 to 179. A gain above 1: with less, levels that differed become the same one.
+  const std::function<int(int)> changes[] = {[](int grey) { return grey + 20; }, [](int grey) { return grey * 7 / 5; },
+                                             [](int grey) { return grey * 2 - 110; }};
+  for (const auto& change : changes) {
+    right.fill<uint8_t>([&](int row, int column) { return static_cast<uint8_t>(change(scene.grey(row, column, 1))); });
+    const auto after = disparity();
+    for (int row = 0; row < height; ++row)
+      for (int column = 0; column < width; ++column) ASSERT_EQ(before->at<int16_t>(row, column), after->at<int16_t>(row, column));
+  }
 }
 
 TEST_F(SecondDetectorTest, confidence_refuses_even_surfaces_and_the_more_of_them_the_higher_it_is) {

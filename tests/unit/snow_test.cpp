@@ -34,6 +34,28 @@ TEST(Features, no_encoding_makes_an_id_above_1309695_or_the_same_twice) {
   }
 }
 
+// Whatever the matcher says: nothing, the nearest and beyond, everywhere, in views of all sizes.
+TEST(Features, no_disparities_make_an_id_above_1309695) {
+  for (const auto& [width, height] : {std::pair{80, 60}, {320, 240}, {333, 250}, {1920, 1440}}) {
+    for (const int disparities : {16, 32, 256}) {
+      for (const int16_t pixel :
+           {rejected(Rejected::low_texture), int16_t{0}, int16_t{1}, static_cast<int16_t>(16 * disparities - 1), int16_t{INT16_MAX}}) {
+        Picture disparity(Pixel::disparity16, width, height), depths(Pixel::count16, width, disparities);
+        disparity.fill<int16_t>([pixel = pixel](int, int) { return pixel; });
+        depths.fill<int16_t>([](int, int) { return int16_t{INT16_MAX}; });  // more than any view has
+        for (const Encoding encoding : encodings) {
+          Picture features(feature_spec(encoding));
+          make_features(encoding, disparity.image(), depths.image(), disparities, features.image());
+          std::vector<uint32_t> ids(active_features(encoding));
+          feature_ids(encoding, features.image(), ids);
+          ASSERT_LE(*std::max_element(ids.begin(), ids.end()), 1309695u)
+              << name(encoding) << " " << width << " " << disparities << " " << pixel;
+        }
+      }
+    }
+  }
+}
+
 TEST(Features, ids_of_a_map_are_those_of_its_pixels) {
   Picture picture(feature_spec(Encoding::depth_map));
   picture.at<uint8_t>(59, 79) = 49;
