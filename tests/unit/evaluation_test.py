@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 # evaluation_test.py: the arithmetic of scripts/evaluate: cells compared, alarms dated, results gone on from.
 # SPDX-License-Identifier: Apache-2.0
+import json
 import pathlib
+import re
 import sys
 import tempfile
 import unittest
@@ -12,6 +14,7 @@ try:
     import numpy as np
     from evaluation import approach, drive, map_pictures, peer_maps, recorded, snow
     from evaluation.daemon import Daemon
+    from evaluation.report import Section
 except ImportError as missing:
     print(f"skipped: {missing}")
     sys.exit(77)
@@ -115,6 +118,49 @@ class Indoor(unittest.TestCase):
     def test_the_halves_of_the_drive_have_no_frame_in_common_and_a_gap(self):
         approach_half, retreat_half = snow.HALVES.values()
         self.assertGreater(retreat_half.start - approach_half.stop, 3)
+
+
+class Snow(unittest.TestCase):
+    """The section with stand-ins for both programs: what is run, and what is told of it."""
+
+    def setUp(self):
+        self.ran = []
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        (pathlib.Path(folder.name) / "vdispd").write_text("")
+        self.daemon = Daemon(pathlib.Path(folder.name) / "vdispd", "nowhere")
+        self.addCleanup(self.daemon.close)
+        self.auc = {"depth-map": (0.985, 0.93), "disparity-map": (0.97, 0.97), "contour": (0.9, 0.96), "contour-height": (0.9, 0.99)}
+        before = snow.call
+        self.addCleanup(setattr, snow, "call", before)
+        snow.call = self.call
+
+    def call(self, _, program, *words):
+        self.ran.append(" ".join([pathlib.Path(program).name, *map(str, words)]).replace(f"{self.daemon.work}/", ""))
+        if pathlib.Path(program).name == "record-worlds":
+            return "garage-2: 5 forward\noffice-6: 5 left\n10 pairs\n"
+        part = {"drives": 2, "forward": 5, "left": 5, "right": 0, "blind": 3}
+        return json.dumps({"trained_with": part, "held_apart": part,
+                           "encodings": {name: {"obstacle": {"auc": a}, "direction": {"auc": b}} for name, (a, b) in self.auc.items()}})
+
+    def test_gates_are_of_one_encoding(self):
+        section = Section("snow", "")
+        snow.snow_section(self.daemon, section)
+        passed = {gate["gate"]: gate["passed"] for gate in section.gates}
+        self.assertTrue(passed["obstacle classifier, depth-map"])
+        self.assertFalse(passed["direction classifier, depth-map"])  # others are better: a model has one encoding
+
+    def test_blind_pairs_are_told_and_every_command_is_printed(self):
+        section = Section("snow", "")
+        snow.snow_section(self.daemon, section)
+        self.assertIn("of these blind", section.text())
+        self.assertEqual([row["of these blind"] for row in section.tables[1][2]], [3, 3])
+        printed = [command.replace("scripts/", "") for command in section.commands]
+        for ran in self.ran:  # but for where programs and models lie
+            ran = re.sub(r" --bin \S+ --jobs \d+| --json", "", ran)
+            ran = re.sub(r"(snow-\w+)/garage-2 snow-\w+/office-6", r"\1/*", ran).replace("snow/snow.model", "snow.model")
+            ran = re.sub(r"--plots \S+", "--plots PLOTS", ran)
+            self.assertIn(sorted(ran.split()), [sorted(command.split()) for command in printed])
 
 
 class Resume(unittest.TestCase):
