@@ -77,10 +77,15 @@ void read_picture(const fs::path& path, Image& image) {
 
 }  // namespace
 
+RecordingInfo Recording::info_of(const fs::path& folder) {
+  const fs::path file = folder / "recording.json";
+  return recording::read_info(file.string(), text_of(file, "a recording, as vdispd --record or vdisp-probe record writes it"));
+}
+
 Recording::Recording(fs::path folder) : folder_(std::move(folder)) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
-  const fs::path info = folder_ / "recording.json", index = folder_ / "index.csv", inputs = folder_ / "inputs.csv";
-  info_ = recording::read_info(info.string(), text_of(info, "a recording, as vdispd --record or vdisp-probe record writes it"));
+  const fs::path index = folder_ / "index.csv", inputs = folder_ / "inputs.csv";
+  info_ = info_of(folder_);
   pairs_ = recording::read_index(index.string(), text_of(index, "the list of its pairs"), cut_off_);
   if (!known_file("inputs.csv").empty()) {
     steps_ = recording::read_steps(inputs.string(), text_of(inputs, "what came in"), cut_off_);

@@ -53,6 +53,8 @@ class RecordingError : public std::runtime_error {
 class Recording {
  public:
   explicit Recording(std::filesystem::path folder);
+  /// What recording.json alone says. Throws RecordingError.
+  static RecordingInfo info_of(const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return folder_; }
   const RecordingInfo& info() const { return info_; }

@@ -251,6 +251,28 @@ class Train(unittest.TestCase):
         self.assertEqual(found.stderr.count("front end "), 1)
         self.assertEqual(self.tune().stderr, "")
 
+    def test_tune_never_sees_what_train_judges_on(self):
+        model = self.place / "held.model"
+        found = run("vdisp-train", "train", *self.drives, *FRONT, "--hold-out", 0.34, "-o", model, "--json")
+        self.assertEqual(found.returncode, 0, found.stderr)
+        held = [line.split("\t")[2] for line in model.read_bytes()[-2000:].decode(errors="replace").splitlines() if line.startswith("test\t")]
+        self.assertEqual(len(held), 2)
+        self.assertEqual(self.tune("--trials", 1).returncode, 0)
+        before = (self.place / "tune.csv").read_text()
+        for folder in held:  # whatever is in them
+            shutil.move(folder, folder + ".away")
+            shutil.copytree(self.drives[0], folder)
+            text = (pathlib.Path(folder) / "recording.json").read_text()
+            (pathlib.Path(folder) / "recording.json").write_text(text.replace('"seed": 0', f'"seed": {1000 + len(folder) + held.index(folder)}'))
+        try:
+            (self.place / "tune.csv").unlink()
+            self.assertEqual(self.tune("--trials", 1).returncode, 0)
+            self.assertEqual(sorted((self.place / "tune.csv").read_text().splitlines()), sorted(before.splitlines()))
+        finally:
+            for folder in held:
+                shutil.rmtree(folder)
+                shutil.move(folder + ".away", folder)
+
     def test_tune_tries_no_more_front_ends_than_asked(self):
         found = self.tune("--trials", 1, "--json")
         self.assertEqual(found.returncode, 0, found.stderr)
@@ -300,6 +322,27 @@ class Train(unittest.TestCase):
         self.refused(66, "left and right", arguments=[self.model, straight], program_words=("evaluate",))
         self.refused(66, "left and right", arguments=[*self.with_, "--test", straight, "--table", self.place / "t.csv"], program_words=("tune",))
 
+    def test_a_class_that_is_all_dark_is_missed_and_named(self):
+        def darken(folder):
+            for path in (folder / "left").glob("*_left.png"):
+                cv2.imwrite(str(path), numpy.zeros((HEIGHT, WIDTH), numpy.uint8))
+        dark = self.broken(darken)
+        self.refused(66, "no pair with label left with which the daemon would not be blind", "to train with", arguments=[dark, "--hold-out", 0, *FRONT])
+        self.refused(66, "no pair with label left", "held apart", arguments=[*self.with_[1:], "--test", dark, *FRONT])
+        self.refused(66, "would be blind with every pair of a class", program_words=("tune",),
+                     arguments=[*self.with_[1:], "--test", dark, "--table", self.place / "t.csv", "--trials", 1, *SIZE])
+
+    def test_a_world_of_the_simulator_is_never_on_both_sides(self):
+        again = drive(self.place / "again", 2, PAIRS, width=WIDTH, height=HEIGHT)  # the seed of a drive that was trained with
+        self.refused(64, "both are of one world (boxes, seed 2)", arguments=[*self.with_, "--test", again, *FRONT])
+        self.refused(64, "which is of the same world (boxes, seed 2)", arguments=[self.model, again], program_words=("evaluate",))
+        crash = drive(self.place / "crash", 4, PAIRS, width=WIDTH, height=HEIGHT)  # the seed of one that is judged on
+        self.refused(64, "both are of one world (boxes, seed 4)", arguments=["--add", crash, "--to", self.model])
+
+    def test_a_configuration_that_is_not_understood_is_named(self):
+        wrong = self.broken(lambda folder: (folder / "vdisp.cfg").write_text("[image source]\nbayr = rggb\n"))
+        self.refused(66, "vdisp.cfg:2", "bayr", "mosaics", arguments=[wrong, "--hold-out", 0, *FRONT])
+
     def test_a_classifier_without_both_classes_is_not_judged_and_says_so(self):
         both = drive(self.place / "both", 52, 12, ("forward", "left"), WIDTH, HEIGHT)
         found = run("vdisp-train", "evaluate", self.model, both)
@@ -319,7 +362,7 @@ class Train(unittest.TestCase):
         self.refused(66, "left and right", arguments=[straight, "--hold-out", 0, "--obstacle-only", *FRONT])
 
     def test_an_empty_test_set_is_refused(self):
-        empty = write_recording(self.place / "empty", [], WIDTH, HEIGHT)
+        empty = write_recording(self.place / "empty", [], WIDTH, HEIGHT, seed=60)
         self.refused(66, "no labelled pair", "held apart", arguments=[*self.with_, "--test", empty, *FRONT])
         self.refused(66, "no labelled pair", arguments=[self.model, empty], program_words=("evaluate",))
         self.refused(66, "1 recording", "none remain", arguments=[self.drives[0]])

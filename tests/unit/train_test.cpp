@@ -30,10 +30,13 @@ std::vector<snow::Source> numbered(int count) {
   return sources;
 }
 
+/// Of no world of the simulator.
+std::vector<std::string> none_of(const std::vector<snow::Source>& sources) { return std::vector<std::string>(sources.size()); }
+
 TEST(HoldOut, takes_the_part_asked_and_leaves_collisions_to_train_with) {
   auto sources = numbered(30);
   sources.push_back({"collision", 3});
-  hold_out(sources, 0.2, 1);
+  hold_out(sources, none_of(sources), 0.2, 1);
   EXPECT_EQ(std::count_if(sources.begin(), sources.end(), [](const auto& source) { return source.held_apart; }), 6);
   EXPECT_FALSE(sources.back().held_apart);
 }
@@ -42,8 +45,8 @@ TEST(HoldOut, depends_on_the_seed_and_reaches_every_drive) {
   std::set<size_t> reached;
   for (uint32_t seed = 1; seed < 60; ++seed) {
     auto once = numbered(10), again = numbered(10);
-    hold_out(once, 0.2, seed);
-    hold_out(again, 0.2, seed);
+    hold_out(once, none_of(once), 0.2, seed);
+    hold_out(again, none_of(again), 0.2, seed);
     EXPECT_EQ(once, again);
     for (size_t i = 0; i < once.size(); ++i)
       if (once[i].held_apart) reached.insert(i);
@@ -53,8 +56,22 @@ TEST(HoldOut, depends_on_the_seed_and_reaches_every_drive) {
 
 TEST(HoldOut, refuses_to_leave_nothing_to_train_with) {
   auto one = numbered(1), none = numbered(0);
-  EXPECT_THROW(hold_out(one, 0.2, 1), ToolError);
-  EXPECT_THROW(hold_out(none, 0.2, 1), ToolError);
+  EXPECT_THROW(hold_out(one, none_of(one), 0.2, 1), ToolError);
+  EXPECT_THROW(hold_out(none, none_of(none), 0.2, 1), ToolError);
+}
+
+TEST(HoldOut, takes_a_world_whole_or_not_at_all) {
+  std::vector<std::string> worlds;
+  for (int i = 0; i < 20; ++i) worlds.push_back(i < 16 ? "office, seed " + std::to_string(2 * (i / 2)) : "");
+  for (uint32_t seed = 1; seed < 30; ++seed) {
+    auto sources = numbered(20);
+    hold_out(sources, worlds, 0.2, seed);
+    for (size_t i = 0; i < 16; i += 2) EXPECT_EQ(sources[i].held_apart, sources[i + 1].held_apart);
+    const auto held = std::count_if(sources.begin(), sources.end(), [](const auto& source) { return source.held_apart; });
+    EXPECT_TRUE(held == 4 || held == 5) << held;
+  }
+  auto sources = numbered(4);
+  EXPECT_THROW(hold_out(sources, std::vector<std::string>(4, "office, seed 2"), 0.2, 1), ToolError) << "none would remain";
 }
 
 TEST(Thinning, keeps_about_as_many_of_each_part_of_each_drive) {
@@ -134,6 +151,14 @@ TEST_F(Table, of_another_question_is_refused_and_kept) {
   const std::string before = read(path_);
   EXPECT_THROW(TrialTable(path_, "other"), ToolError);
   EXPECT_EQ(read(path_), before);
+}
+
+TEST_F(Table, no_file_that_is_something_else_is_touched) {
+  for (const char* text : {"{\"a\": 1}", "x", "# other", "{\n}\n", "# q, and more"}) {
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << text;
+    EXPECT_THROW(TrialTable(path_, "q"), ToolError) << text;
+    EXPECT_EQ(read(path_), text);
+  }
 }
 
 TEST_F(Table, with_a_line_that_is_no_trial_is_refused) {

@@ -27,6 +27,8 @@ void add_samples(Drives& drives, uint32_t drive) {
   }
 }
 
+std::string world_in(const RecordingInfo& info) { return info.world.empty() ? "" : info.world + ", seed " + std::to_string(info.seed); }
+
 }  // namespace
 
 std::string Classes::missing() const {
@@ -39,15 +41,13 @@ std::string Classes::missing() const {
 Classes Drives::classes(bool apart) const {
   Classes found;
   for (const Sample& sample : samples)
-    if (held_apart(sample) == apart)
-      ++(sample.label == Label::forward ? found.forward : sample.label == Label::left ? found.left : found.right);
+    if (held_apart(sample) == apart) found.add(sample.label);
   return found;
 }
 
-void Drives::require_classes(bool apart, bool obstacle_only) const {
-  const Classes found = classes(apart);
+void Drives::require(const Classes& found, bool apart, bool obstacle_only, const std::string& which) const {
   if (found.missing().empty() || (obstacle_only && found.forward && found.left + found.right)) return;
-  const std::string what = found.all() == 0 ? "no labelled pair" : "no pair with label " + found.missing();
+  const std::string what = (found.all() == 0 ? "no labelled pair" : "no pair with label " + found.missing()) + which;
   throw ToolError(EX_NOINPUT, what + " in the " + counted(count(apart), "recording") +
                                   (apart ? " held apart to judge on" : " to train with") + "; needed are forward, left and right" +
                                   (apart ? ": give others with --test, or another --hold-out or --split-seed" : ""));
@@ -74,6 +74,32 @@ void Drives::thin(size_t most) {
   samples = std::move(kept);
 }
 
+namespace {
+
+/// Who was trained in a world knows it: drives of it on both sides are one drive on both sides.
+void require_worlds_apart(const Drives& drives) {
+  std::map<std::string, size_t> trained;
+  for (size_t i = 0; i < drives.sources.size(); ++i)
+    if (!drives.sources[i].held_apart) trained.emplace(world_in(drives.recordings[i].info()), i);
+  for (size_t i = 0; i < drives.sources.size(); ++i) {
+    const std::string world = world_in(drives.recordings[i].info());
+    const auto same = drives.sources[i].held_apart && !world.empty() ? trained.find(world) : trained.end();
+    if (same != trained.end())
+      throw ToolError(EX_USAGE, drives.sources[i].folder + " is held apart to judge on, " + drives.sources[same->second].folder +
+                                    " is trained with, and both are of one world (" + world + "); give them both to the same side");
+  }
+}
+
+}  // namespace
+
+std::string world_of(const std::string& folder) { return world_in(Recording::info_of(folder)); }
+
+std::vector<std::string> worlds_of(std::span<const snow::Source> sources) {
+  std::vector<std::string> worlds;
+  for (const snow::Source& source : sources) worlds.push_back(world_of(source.folder));
+  return worlds;
+}
+
 Drives open_drives(std::vector<snow::Source> sources) {
   Drives drives;
   std::map<fs::path, std::string> seen;
@@ -88,6 +114,7 @@ Drives open_drives(std::vector<snow::Source> sources) {
     drives.sources.push_back(source);
     add_samples(drives, static_cast<uint32_t>(drives.recordings.size() - 1));
   }
+  require_worlds_apart(drives);
   return drives;
 }
 
@@ -102,7 +129,7 @@ std::vector<snow::Source> sources_of(std::span<const std::string> folders, uint3
   return sources;
 }
 
-void hold_out(std::vector<snow::Source>& sources, double part, uint32_t seed) {
+void hold_out(std::vector<snow::Source>& sources, std::span<const std::string> worlds, double part, uint32_t seed) {
   std::vector<size_t> order;
   for (size_t i = 0; i < sources.size(); ++i)
     if (sources[i].weight == 1 && !sources[i].held_apart) order.push_back(i);
@@ -111,11 +138,18 @@ void hold_out(std::vector<snow::Source>& sources, double part, uint32_t seed) {
     throw ToolError(EX_NOINPUT, counted(order.size(), "recording") + ", of which " + std::to_string(apart) +
                                     " would be held apart and none remain to train with; needed are more, --test DIR, or --hold-out 0");
   std::mt19937 chance(seed);
-  for (size_t i = 0; i < apart; ++i) {  // the first places of a shuffle that does not depend on the library
+  size_t held = 0;
+  for (size_t i = 0; held < apart; ++i) {  // the first places of a shuffle that does not depend on the library
     const size_t other = i + static_cast<size_t>((uint64_t{chance()} * (order.size() - i)) >> 32);
     std::swap(order[i], order[other]);
-    sources[order[i]].held_apart = true;
+    for (const size_t j : order) {
+      const bool together = j == order[i] || (!worlds[j].empty() && worlds[j] == worlds[order[i]]);
+      if (together && !sources[j].held_apart) sources[j].held_apart = true, ++held;
+    }
   }
+  if (held == order.size())
+    throw ToolError(EX_NOINPUT, "all " + counted(held, "recording") + " are of one world (" + worlds[order[0]] +
+                                    ") and none remain to train with; needed are others, --test DIR, or --hold-out 0");
 }
 
 }  // namespace vdisp::train

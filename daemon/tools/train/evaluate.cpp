@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "daemon/tools/train/report.h"
@@ -12,12 +13,30 @@
 namespace vdisp::train {
 namespace {
 
+/// Of the simulator; empty also where the recording is not there any more.
+std::string world_if_there(const std::string& folder) {
+  try {
+    return world_of(folder);
+  } catch (const RecordingError&) {
+    return "";
+  }
+}
+
 /// Judging on what was trained with says nothing.
 void require_unseen(const snow::Model& model, const std::vector<snow::Source>& sources, const std::string& name) {
-  for (const snow::Source& mine : sources)
+  const auto refuse = [&](const snow::Source& mine, const std::string& what) {
+    throw ToolError(EX_USAGE, mine.folder + ": " + name + " was trained with " + what + "; needed are recordings that were held apart");
+  };
+  std::map<std::string, std::string> worlds;  // that were trained with, and where
+  for (const snow::Source& seen : model.sources())
+    if (!seen.held_apart) worlds.emplace(world_if_there(seen.folder), seen.folder);
+  for (const snow::Source& mine : sources) {
     for (const snow::Source& seen : model.sources())
-      if (!seen.held_apart && seen.folder == mine.folder)
-        throw ToolError(EX_USAGE, mine.folder + ": " + name + " was trained with it; needed are recordings that were held apart");
+      if (!seen.held_apart && seen.folder == mine.folder) refuse(mine, "it");
+    const std::string world = world_of(mine.folder);
+    if (const auto same = worlds.find(world); !world.empty() && same != worlds.end())
+      refuse(mine, same->second + ", which is of the same world (" + world + ")");
+  }
 }
 
 }  // namespace
@@ -38,6 +57,8 @@ int evaluate(const Options& options) {
 
   const snow::Encoding encoding = model.settings().encoding;
   const FeatureTable table(drives, model.settings(), std::span(&encoding, 1), options.threads);
+  if (table.numbers(drives, true).empty())
+    throw ToolError(EX_NOINPUT, "the daemon would be blind with every labelled pair; there is nothing to judge on");
   const Judgement judgement = judge(drives, table, model, options.threads);
   const Judged found{std::string(name(encoding)), obstacle_verdict(judgement, model.obstacle_training().sensitivity),
                      direction_verdict(judgement, model.direction_training().sensitivity)};

@@ -69,6 +69,12 @@ std::vector<uint32_t> FeatureTable::numbers(const Drives& drives, bool held_apar
   return seen;
 }
 
+Classes FeatureTable::classes(const Drives& drives, bool held_apart) const {
+  Classes found;
+  for (const uint32_t sample : numbers(drives, held_apart)) found.add(drives.samples[sample].label);
+  return found;
+}
+
 size_t FeatureTable::blind_count() const { return static_cast<size_t>(std::count(blind_.begin(), blind_.end(), 1)); }
 
 std::span<const uint32_t> FeatureTable::ids(snow::Encoding encoding, uint32_t sample, std::span<uint32_t> ids) const {

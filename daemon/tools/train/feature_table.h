@@ -25,6 +25,12 @@ class FeatureTable {
   /// Samples that are not blind, held apart or not.
   std::vector<uint32_t> numbers(const Drives& drives, bool held_apart) const;
   size_t blind_count() const;
+  /// Of those that numbers() gives.
+  Classes classes(const Drives& drives, bool held_apart) const;
+  /// As Drives::require_classes, of those alone: the blind ones may have been all of a class.
+  void require_classes(const Drives& drives, bool held_apart, bool obstacle_only) const {
+    drives.require(classes(drives, held_apart), held_apart, obstacle_only, " with which the daemon would not be blind");
+  }
 
  private:
   struct Columns {

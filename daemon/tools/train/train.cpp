@@ -63,7 +63,7 @@ Plan plan_of(const Options& options) {
   for (auto& source : sources_of(options.folders, 1, false)) plan.sources.push_back(std::move(source));
   for (auto& source : sources_of(options.test, 1, true)) plan.sources.push_back(std::move(source));
   const bool apart = std::any_of(plan.sources.begin(), plan.sources.end(), [](const snow::Source& source) { return source.held_apart; });
-  if (!apart && options.hold_out > 0 && !more) hold_out(plan.sources, options.hold_out, options.split_seed);
+  if (!apart && options.hold_out > 0 && !more) hold_out(plan.sources, worlds_of(plan.sources), options.hold_out, options.split_seed);
   for (auto& source : sources_of(options.add, options.add_weight, false)) plan.sources.push_back(std::move(source));
   return plan;
 }
@@ -98,7 +98,7 @@ std::string text_of(const Drives& drives, const FeatureTable& table) {
             std::to_string(classes.left) + " left, " + std::to_string(classes.right) + " right\n";
   if (drives.unlabelled) text += "left out: " + std::to_string(drives.unlabelled) + " pairs without label\n";
   if (const size_t blind = table.blind_count()) {
-    const size_t apart_blind = apart.all() - table.numbers(drives, true).size();
+    const size_t apart_blind = apart.all() - table.classes(drives, true).all();
     text += "left out: " + std::to_string(blind) + " pairs with which the daemon would be blind";
     text += (apart_blind ? ", " + std::to_string(apart_blind) + " of them held apart" : "") + "\n";
   }
@@ -114,7 +114,7 @@ nlohmann::json json_of(const Drives& drives, const FeatureTable& table) {
                                                    {"forward", classes.forward},
                                                    {"left", classes.left},
                                                    {"right", classes.right},
-                                                   {"blind", classes.all() - table.numbers(drives, apart).size()}};
+                                                   {"blind", classes.all() - table.classes(drives, apart).all()}};
   }
   json["unlabelled"] = drives.unlabelled;
   json["blind"] = table.blind_count();
@@ -145,6 +145,7 @@ void tell(const Options& options, const Plan& plan, const Drives& drives, const 
   std::cout << text_of(drives, table);
   for (const Judged& one : all)
     if (drives.count(true)) std::cout << "\n" << one.encoding << "\n" << text_of(one.obstacle) << text_of(one.direction);
+  if (options.detection) std::cout << "\nThe obstacle sensitivity was chosen on the pairs held apart: of others it finds about as many.\n";
   std::cout << "\nmodel: " << options.output << "\n" << keys_of(plan.settings);
 }
 
@@ -163,6 +164,8 @@ int train(const Options& options) {
   std::vector<snow::Encoding> encodings;
   for (const Job& job : jobs) encodings.push_back(job.encoding);
   const FeatureTable table(drives, plan.settings, encodings, options.threads);
+  table.require_classes(drives, false, options.obstacle_only);
+  if (drives.count(true)) table.require_classes(drives, true, options.obstacle_only);
 
   std::vector<Judged> all(jobs.size());
   std::optional<Classifiers> chosen;

@@ -48,10 +48,6 @@ std::vector<Trial> trials_of(const snow::Settings& settings, const Grid& grid, c
 
 void judge_trial(Trial& trial, const Drives& drives, const FeatureTable& table, const Classifiers& found, int threads) {
   const Judgement judgement = judge(drives, table, trial.settings.encoding, found, threads);
-  if (snow::roc_curve(judgement.obstacle).empty() || snow::roc_curve(judgement.direction).empty())
-    throw ToolError(
-        EX_NOINPUT,
-        "with this front end the daemon would be blind with every pair of a class; more light, or a lower confidence is needed");
   trial.obstacle_auc = snow::area_under_curve(judgement.obstacle);
   trial.direction_auc = snow::area_under_curve(judgement.direction);
   trial.obstacle_sensitivity = obstacle_sensitivity_of(snow::best_point(snow::roc_curve(judgement.obstacle)));
@@ -68,6 +64,11 @@ void try_front_end(std::vector<Trial>& trials, const Drives& drives, const snow:
     jobs.back().winnow.above = jobs.back().winnow.below = trial.thick;
   }
   const FeatureTable features(drives, trials.front().settings, encodings, threads);
+  for (const bool apart : {false, true})
+    if (!features.classes(drives, apart).missing().empty())
+      throw ToolError(
+          EX_NOINPUT,
+          "with this front end the daemon would be blind with every pair of a class; more light, or a lower confidence is needed");
   train_all(drives, features, jobs, false, threads, [&](size_t job, Classifiers&& found) {
     judge_trial(trials[job], drives, features, found, threads);
     table.add(trials[job]);
@@ -91,10 +92,13 @@ std::string question_of(const Drives& drives, const snow::Winnow& winnow, const 
 
 Drives drives_of(const Options& options) {
   auto sources = sources_of(options.folders, 1, false);
-  if (options.test.empty())
-    hold_out(sources, options.hold_out, options.split_seed);
-  else
-    for (auto& source : sources_of(options.test, 1, true)) sources.push_back(std::move(source));
+  if (options.test.empty()) {
+    // What train would judge on with the same --hold-out has no say in what is chosen; what is chosen by is a part of the rest.
+    hold_out(sources, worlds_of(sources), options.hold_out, options.split_seed);
+    std::erase_if(sources, [](const snow::Source& source) { return source.held_apart; });
+    hold_out(sources, worlds_of(sources), options.hold_out, options.split_seed);
+  }
+  for (auto& source : sources_of(options.test, 1, true)) sources.push_back(std::move(source));
   Drives drives = open_drives(std::move(sources));
   drives.thin(options.grid.pairs);
   for (const bool apart : {false, true}) drives.require_classes(apart);
