@@ -3,7 +3,6 @@
 #include <sysexits.h>
 
 #include <charconv>
-#include <cmath>
 #include <sstream>
 
 #include "config/config.h"
@@ -73,7 +72,8 @@ snow::Winnow winnow_of(const Chosen& chosen, snow::Winnow base) {
   take(chosen.seed, base.seed);
   if (!(base.alpha > 1)) refuse("--alpha must be more than 1: it promotes");
   if (!(base.beta > 0 && base.beta < 1)) refuse("--beta must be between 0 and 1: it demotes");
-  if (!(base.theta > 0) || !std::isfinite(base.theta)) refuse("--theta must be a number more than 0");
+  // Weights are kept between 1e-30 and 1e30, and begin with theta / features of a pair.
+  if (!(base.theta >= 1e-6 && base.theta <= 1e6)) refuse("--theta must be from 1e-6 to 1e6");
   return base;
 }
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/tools/train/trainer.h"
 
-#include <sysexits.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +9,6 @@
 
 #include "daemon/tools/train/parallel.h"
 #include "daemon/tools/train/progress.h"
-#include "daemon/tools/train/words.h"
 
 namespace vdisp::train {
 namespace {
@@ -101,8 +98,6 @@ Judgement judge(const Drives& drives, std::span<const uint32_t> samples, int thr
   in_parallel(threads, samples.size(), [&](size_t i, int seat) { found[i] = differences(samples[i], ids[static_cast<size_t>(seat)]); });
   Judgement judgement;
   for (size_t i = 0; i < samples.size(); ++i) {
-    if (!std::isfinite(found[i].free) || !std::isfinite(found[i].left))
-      throw ToolError(EX_USAGE, "the weights have left the range of numbers; --alpha or --initial is too great, or --theta");
     const Label label = drives.samples[samples[i]].label;
     judgement.obstacle.push_back({-found[i].free, label != Label::forward});
     if (label != Label::forward) judgement.direction.push_back({found[i].left, label == Label::left});
