@@ -101,7 +101,7 @@ class Recording(ProgramTest):
         """Odometry, IMU, orders and events at rates of their own, some of them refused."""
         def odometry():
             lines, begin = "x,y,yaw\n", time.monotonic()
-            with subprocess.Popen([BIN / "vdisp-probe", "send", "odometry", "--wait", "5"], stdin=subprocess.PIPE, text=True,
+            with subprocess.Popen([BIN / "vdisp-probe", "send", "odometry", "--wait", "30"], stdin=subprocess.PIPE, text=True,
                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as sender:
                 try:
                     sender.stdin.write(lines)
@@ -116,9 +116,9 @@ class Recording(ProgramTest):
                 self.end(sender)
         def others():
             count = 0
-            with subprocess.Popen([BIN / "vdisp-probe", "send", "imu", "--wait", "5"], stdin=subprocess.PIPE, text=True,
+            with subprocess.Popen([BIN / "vdisp-probe", "send", "imu", "--wait", "30"], stdin=subprocess.PIPE, text=True,
                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as imu, \
-                 subprocess.Popen([BIN / "vdisp-probe", "send", "drive", "--wait", "5"], stdin=subprocess.PIPE, text=True,
+                 subprocess.Popen([BIN / "vdisp-probe", "send", "drive", "--wait", "30"], stdin=subprocess.PIPE, text=True,
                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as drive:
                 try:
                     while not stop.is_set():
