@@ -79,7 +79,7 @@ void FloorExpectation::bend(const Image& view, const FloorModel& last, ExpectedF
   };
   int row = static_cast<int>(bent_.size()) - 1;
   const auto fill = [&](const Knot& near, const Knot& far, int first) {
-    for (; row >= first && far.row < near.row; --row)
+    for (; row >= std::max(first, 0) && far.row < near.row; --row)
       bent_[static_cast<size_t>(row)] =
           static_cast<float>(near.disparity + (row - near.row) * (far.disparity - near.disparity) / (far.row - near.row));
   };

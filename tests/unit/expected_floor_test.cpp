@@ -132,6 +132,26 @@ TEST_F(ExpectedFloorTest, the_floor_expected_bends_with_the_ground_and_goes_on_w
   }
 }
 
+// The sanitizer sees what is written beside the rows.
+TEST_F(ExpectedFloorTest, a_camera_that_sees_no_horizon_has_ground_in_every_row) {
+  const double steep = 0.9;
+  const FloorLine line = floor_line(stereo_view(view.image()), up, steep);
+  last.a = line.slope / 16;
+  last.b = line.row0;
+  last.pitch_rad = steep;
+  last.model = FloorKind::profile;
+  last.profile_count = last.profile_seen = 50;
+  last.profile_start_m = 0.05f;
+  last.profile_step_m = 0.1f;
+  FloorExpectation expectation(config);
+  expectation.prepare(view.spec());
+  const auto floor = expectation.expect(view.image(), &last);
+  ASSERT_TRUE(floor);
+  EXPECT_EQ(floor->first_row(width), 0);
+  ASSERT_EQ(floor->bent.size(), static_cast<size_t>(height));
+  for (int v = 0; v < height; ++v) EXPECT_NEAR(floor->at_row(v), (v - last.b) / (16 * last.a), 0.01) << v;
+}
+
 TEST_F(ExpectedFloorTest, behind_a_crest_rows_go_on_with_what_is_seen_there) {
   last.model = FloorKind::profile;
   last.profile_count = last.profile_seen = 50;
