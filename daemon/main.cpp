@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
     run->loop();
   });
   if (run) attempt(failure, [&] { run->finish(); });
-  alarm(2);  // a stderr that nobody reads must not keep the daemon: SIGALRM ends it
+  alarm(4);  // a stderr that nobody reads must not keep the daemon: SIGALRM ends it, before systemd would
   log::stop();
   const int exit_code = failure ? explain(failure) : EX_OK;
   if (run) run->leave(exit_code);
