@@ -27,7 +27,7 @@ int ExpectedFloor::first_row(int width) const {
   const double left = tilt * cx, right = -tilt * (width - 1 - cx);
   if (!bent.empty()) {
     const double least = std::min({left, right, 0.0});
-    return static_cast<int>(std::find_if(bent.begin(), bent.end(), [&](float d) { return d > 0 && d >= least; }) - bent.begin());
+    return static_cast<int>(std::find_if(bent.begin(), bent.end(), [&](float d) { return d >= least; }) - bent.begin());
   }
   return static_cast<int>(std::clamp(std::ceil(row0 + std::min({left, right, 0.0}) / slope), 0.0, 32767.0));
 }

@@ -172,6 +172,17 @@ TEST_F(ExpectedFloorTest, behind_a_crest_rows_go_on_with_what_is_seen_there) {
   EXPECT_EQ(hidden, 1) << "one jump, over what the crest hides";
 }
 
+TEST_F(ExpectedFloorTest, a_bent_floor_that_is_banked_begins_where_one_of_its_sides_does) {
+  std::vector<float> bent(height);
+  for (int v = 0; v < height; ++v) bent[static_cast<size_t>(v)] = static_cast<float>(0.25 * (v - 80.5));
+  const ExpectedFloor level{0.25, 80.5, 0, cx, cx_offset}, banked{0.25, 80.5, 0.02, cx, cx_offset};
+  for (ExpectedFloor floor : {level, banked}) {
+    const int first = floor.first_row(width);
+    floor.bent = bent;
+    EXPECT_EQ(floor.first_row(width), first) << floor.tilt;
+  }
+}
+
 TEST_F(ExpectedFloorTest, a_mounting_alone_is_doubted_once_and_again_after_30_frames) {
   mount(up);
   FloorExpectation expectation(config);
