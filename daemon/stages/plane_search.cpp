@@ -118,13 +118,13 @@ std::optional<FloorPlane> PlaneSearch::draw(int kind, Random& random, const Ster
   return view.calibrated() && height > 0 ? through_one(random, view, roll, height) : through_two(random, expected_roll);
 }
 
-double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, const Expected* last) const {
+double PlaneSearch::likely(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const {
   if (!(plane.down > 1e-4) || std::abs(plane.across) > std::tan(most_roll) * plane.down) return 0;
   if (!view.calibrated()) return 1;
   const PlanePose pose = pose_of(plane, view);
   if (!(pose.height > least_height && pose.height < most_height && std::abs(pose.pitch) < most_pitch)) return 0;
   const double height = config_.mounting.height, pitch = config_.expected_pitch();
-  if (mounted_ && !within_mounting(pose)) return 0;
+  if (mounted_ && kind == Plane::guess && !within_mounting(pose)) return 0;
   double likely = bell(pose.roll - config_.mounting.roll, roll_off);
   if (height > 0) likely *= bell(pose.height / height - 1, height_off);
   likely *= std::isnan(pitch) ? bell(pose.pitch - usual_pitch, usual_pitch_off) : bell(pose.pitch - pitch, pitch_off);
@@ -136,8 +136,8 @@ double PlaneSearch::likely(const FloorPlane& plane, const StereoView& view, cons
   return likely;
 }
 
-PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, const StereoView& view, const Expected* last) const {
-  Found found{plane, {}, {}, likely(plane, view, last)};
+PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const {
+  Found found{plane, {}, {}, likely(plane, kind, view, last)};
   if (found.score <= 0) return found;
   const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
   found.all = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
@@ -205,20 +205,20 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
     for (; i > 0 && best[i - 1].score < found.score; --i) best[i] = best[i - 1];
     best[i] = found;
   };
-  if (last) keep(judge(last->plane, view, last));
+  if (last) keep(judge(last->plane, Plane::fit, view, last));
   for (int kind = 0; kind < 3; ++kind) {
     for (int i = 0; i < tries_of_kind[kind]; ++i) {
-      if (const auto plane = draw(kind, random, view)) keep(judge(*plane, view, last));
+      if (const auto plane = draw(kind, random, view)) keep(judge(*plane, Plane::guess, view, last));
     }
   }
   std::optional<Found> winner;
   for (size_t i = 0; i < count; ++i) {
     // What a fit makes of a guess counts, not the guess: a guess is as near as it may be to what was expected.
-    const Found found = judge(refine(best[i].plane, few), view, last);
+    const Found found = judge(refine(best[i].plane, few), Plane::fit, view, last);
     if (found.score > 0 && (!winner || found.score > winner->score)) winner = found;
   }
   if (!winner) return winner;
-  const Found exact = judge(refine(winner->plane, 1), view, last);
+  const Found exact = judge(refine(winner->plane, 1), Plane::fit, view, last);
   return exact.score > 0 ? exact : winner;
 }
 

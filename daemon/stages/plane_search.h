@@ -16,7 +16,8 @@ namespace vdisp {
 
 /// Random planes through points of the disparity image, judged by what lies on them, less what lies beyond them (nothing is seen through a
 /// floor, though over its edge), the ground at the rover's feet above all, and by how well they agree with the mounting and the last floor.
-/// A floor within the mounting's tolerances is looked for first, any floor where there is none. Points are drawn by threes; by twos, with a
+/// A floor within the mounting's tolerances is looked for first, any floor where there is none; what fits from there on may lead out of
+/// them, as a mounting can be wrong. Points are drawn by threes; by twos, with a
 /// roll taken for granted; and one by one, with roll and height, which finds a floor of which hardly anything is seen. The best are fitted
 /// to their points, with Tukey's weights.
 class PlaneSearch {
@@ -56,11 +57,12 @@ class PlaneSearch {
   std::optional<FloorPlane> through_three(Random& random) const;
   std::optional<FloorPlane> through_two(Random& random, double roll) const;
   std::optional<FloorPlane> through_one(Random& random, const StereoView& view, double roll, double height) const;
+  enum class Plane { guess, fit };
   /// How far what is known beforehand supports a plane, 0..1; 0: it cannot be the floor.
-  double likely(const FloorPlane& plane, const StereoView& view, const Expected* last) const;
+  double likely(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const;
   bool within_mounting(const PlanePose& pose) const;
   std::optional<Found> try_planes(const StereoView& view, Random& random, const Expected* last);
-  Found judge(const FloorPlane& plane, const StereoView& view, const Expected* last) const;
+  Found judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const;
   /// Fits it to every `step`th of its points; from 2 on as a guess, that may be far off.
   FloorPlane refine(FloorPlane plane, size_t step) const;
   kernels::DisparityPoints lists() const { return {u_.data(), v_.data(), d_.data()}; }
@@ -70,7 +72,7 @@ class PlaneSearch {
   const Config& config_;
   mutable kernels::Aligned<float> u_, v_, d_, feet_u_, feet_v_, feet_d_;
   size_t n_ = 0, feet_ = 0;  // points; how many of them are also in the lists of the lowest
-  bool mounted_ = false;     // only what agrees with [mounting]
+  bool mounted_ = false;     // guesses: only what agrees with [mounting]
   std::optional<double> last_roll_;
 };
 

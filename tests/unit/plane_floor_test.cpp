@@ -724,5 +724,23 @@ TEST_F(PlaneFloorTest, a_wrong_mounting_is_said_with_what_was_measured) {
   EXPECT_EQ(model().mounting_differs, 0u);
 }
 
+/// Half of what lies on the ground lies near enough a plane within the mounting's tolerances too: that plane must not be the floor.
+TEST_F(PlaneFloorTest, a_wrong_mounting_does_not_bend_the_floor_towards_itself_whatever_was_drawn) {
+  config.image_source.ndisp = 32;
+  disparity.image().camera.disparities = 32;
+  see(with_wall(with_wall(ground(high), 1.8, 0.35, -0.95, -0.4), 3.3, 0.55, -0.15, 1.4));
+  for (const float told : {0.5f, 0.6f, 1.05f, 1.2f, 1.6f}) {
+    config.mounting.height = told;
+    config.mounting.pitch = static_cast<float>(pitch);
+    for (uint64_t sequence = 0; sequence < 20; ++sequence) {
+      stage.reset();
+      disparity.image().sequence = sequence;
+      ASSERT_EQ(find(), Outcome::valid) << told;
+      EXPECT_NEAR(model().height_m, high, 0.02) << "told " << told << ", draws of frame " << sequence;
+      EXPECT_NEAR(model().pitch_rad, pitch, 0.02) << "told " << told << ", draws of frame " << sequence;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vdisp
