@@ -5,10 +5,15 @@
 #include <algorithm>
 
 namespace vdisp::sim {
+namespace {
+
+constexpr double step = 0.0873;  // rad: 5 deg
+constexpr int seen = 6;          // steps: the camera sees 29 deg to each side
+
+}  // namespace
 
 Expert::Turns Expert::look_round(const FloorPlan& plan, const Robot& robot) const {
-  constexpr double step = 0.0873;      // 5 deg
-  constexpr int steps = 36, seen = 6;  // the camera sees 29 deg to each side
+  constexpr int steps = 36;
   Turns turns{M_PI, M_PI, 0};
   for (int i = 1; i <= steps && (i <= seen || turns.left == M_PI || turns.right == M_PI); ++i) {
     const double left = plan.way(robot.spot, robot.heading + i * step, half_strip, open),
@@ -22,26 +27,36 @@ Expert::Turns Expert::look_round(const FloorPlan& plan, const Robot& robot) cons
   return turns;
 }
 
+Steering Expert::side_in_view(const Turns& turns) {
+  const double shorter = turns.right - turns.left;
+  const bool opens = std::min(turns.left, turns.right) < (seen + 0.5) * step;
+  const bool left = opens && std::abs(shorter) > 0.5 * step ? shorter > 0 : turns.lean > 0;
+  return left ? Steering::turn_left : Steering::turn_right;
+}
+
 const Expert::Judgement& Expert::judge(const FloorPlan& plan, const Robot& robot, double seconds) {
   constexpr double alike = 0.2, much = 0.5;  // rad
   Judgement& now = judgement_;
   now.way = plan.way(robot.spot, robot.heading, half_strip, far);
   now.clearness = std::clamp((now.way - 0.6) / (3 - 0.6), 0.0, 1.0);
   now.since += seconds;
-  Steering next = Steering::forward;
-  if (now.way < (now.steering == Steering::forward ? near : clear)) {
-    const Turns turns = look_round(plan, robot);
+  Steering next = Steering::forward, label = Steering::forward;
+  const bool turns_now = now.way < (now.steering == Steering::forward ? near : clear);
+  const Turns turns = turns_now || now.way < label_near ? look_round(plan, robot) : Turns{};
+  if (now.way < label_near) label = side_in_view(turns);
+  if (turns_now) {
     const double shorter = turns.right - turns.left;  // to the left
     const bool left = now.steering == Steering::forward     ? (std::abs(shorter) > alike ? shorter > 0 : turns.lean > 0)
                       : now.steering == Steering::turn_left ? shorter > -much
                                                             : shorter > much;
     next = left ? Steering::turn_left : Steering::turn_right;
   }
-  if (next != now.steering) {
+  if (label != now.label) {
     now.since = 0;
     ++now.changes;
   }
   now.steering = next;
+  now.label = label;
   return now;
 }
 

@@ -113,7 +113,7 @@ void Ride::tell() {
   report_.speed = robot_.speed();
   report_.turn_rate = robot_.turn_rate();
   report_.clearance = plan_.gap(robot_.outline(), 5);
-  report_.steering = judgement.steering;
+  report_.steering = judgement.label;
   report_.clearness = judgement.clearness;
   report_.since_s = judgement.since;
   report_.changes = judgement.changes;

@@ -62,7 +62,7 @@ struct RobotReport {
   bool collided, stuck;  ///< in the time to this frame; then it is put where there is room, and waits for that if people stand there
   uint64_t collisions, stuck_times;
   const char* met;    ///< what it ran into last; null: nothing yet
-  Steering steering;  ///< the expert's, as in Decision
+  Steering steering;  ///< the expert's label, as in Decision
   double clearness, since_s;
   uint64_t changes;
 };
