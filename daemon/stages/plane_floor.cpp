@@ -16,6 +16,7 @@ constexpr double most_bright = 0.7;       // share of the pixels
 constexpr double least_matched = 0.01;    // share of the pixels with a disparity
 constexpr double most_untextured = 0.97;  // share of the pixels refused for it
 constexpr double good_points = 300;       // on the floor, of some 8000 looked at in 640x480
+constexpr int trusted_from = 10;          // frames that agreed with [mounting]
 constexpr double steady_s = 2;            // time constant of the filtered pose
 // rad: how far a floor may be off the last one until that counts half; where an IMU tells how the camera turned since.
 constexpr double last_off = 0.15, turned_off = 0.05;
@@ -40,6 +41,7 @@ void PlaneFloor::begin_anew() noexcept {
   gravity_.forget();
   last_.reset();
   last_ns_ = 0;
+  trust_ = {};
 }
 
 Outcome PlaneFloor::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
@@ -107,7 +109,7 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   } else if (last_) {
     last = {LocalFloor(*last_, view).plane(), last_off};
   }
-  const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr);
+  const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr, mounting_is_right());
   if (!found || !PlaneSearch::holds(*found)) return false;
   describe(view, *found, model);
   if (profiles_ && view.calibrated()) profile_.measure(search_, disparity, model);
@@ -115,7 +117,16 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   if (!std::isnan(model.height_m)) gravity_.found(normal_of(model.pitch_rad, model.roll_rad));
   last_ = model;
   last_ns_ = disparity.timestamp_ns;
+  if (trust_.frames < trusted_from) trust_.frames = model.mounting_differs ? 0 : trust_.frames + 1;
   return true;
+}
+
+bool PlaneFloor::mounting_is_right() noexcept {
+  const auto& mounting = config_.mounting;
+  const double pitch = config_.expected_pitch();
+  const bool changed = mounting.height != trust_.height || !(pitch == trust_.pitch || std::isnan(pitch));
+  if (changed) trust_ = {mounting.height, pitch, 0};
+  return trust_.frames >= trusted_from;
 }
 
 void PlaneFloor::describe(const StereoView& view, const PlaneSearch::Found& found, FloorModel& model) noexcept {

@@ -17,6 +17,9 @@ namespace vdisp {
 /// found: measured in this frame. held: not found, and the last one found is taken, for at most `hold` s, and never where there is no
 /// light, no texture, or nothing that matches. lost: neither; blind, with the reason. With an IMU the last floor is taken to lie as the
 /// camera turned since (gravity.h), both where it is held and where the search begins.
+///
+/// Where ten frames agreed with [mounting], that is right, and only what lies within its tolerances is a floor from there on, until it is
+/// changed: a wall that fills the picture is none, and the floor is lost there. Before, and with a wrong mounting, any plane may be.
 class PlaneFloor final : public ImageProcessor {
  public:
   PlaneFloor(Machine& machine, const Config& config)
@@ -37,6 +40,7 @@ class PlaneFloor final : public ImageProcessor {
   /// The last floor as it should lie now; none where nothing is known of that.
   std::optional<FloorPlane> predicted(const StereoView& view) const noexcept;
   bool hold(const Image& disparity, Reason why, FloorModel& model) noexcept;
+  bool mounting_is_right() noexcept;
 
   const Config& config_;
   bool profiles_;
@@ -45,6 +49,10 @@ class PlaneFloor final : public ImageProcessor {
   Gravity gravity_;
   std::optional<FloorModel> last_;  // found
   int64_t last_ns_ = 0;
+  struct Trust {
+    double height = 0, pitch = 0;  // [mounting] as it was
+    int frames = 0;                // agreed with it one after the other
+  } trust_;
 };
 
 }  // namespace vdisp

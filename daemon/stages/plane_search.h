@@ -42,8 +42,9 @@ class PlaneSearch {
     FloorPlane plane;
     double off;
   };
-  /// The same points and seed give the same plane. `last`: the floor of the last frame as it should lie now, or null.
-  std::optional<Found> search(const StereoView& view, uint64_t seed, const Expected* last);
+  /// The same points and seed give the same plane. `last`: the floor of the last frame as it should lie now, or null. `trusted`: [mounting]
+  /// has been seen to be right, and what lies outside its tolerances is no floor: a wall, or half a wall.
+  std::optional<Found> search(const StereoView& view, uint64_t seed, const Expected* last, bool trusted);
   /// Enough lies on it to call it a floor.
   static bool holds(const Found& found);
   /// Where a point has this true disparity of the floor it may be off by so much, px.
@@ -73,6 +74,7 @@ class PlaneSearch {
   mutable kernels::Aligned<float> u_, v_, d_, feet_u_, feet_v_, feet_d_;
   size_t n_ = 0, feet_ = 0;  // points; how many of them are also in the lists of the lowest
   bool mounted_ = false;     // guesses: only what agrees with [mounting]
+  bool trusted_ = false;     // fits: the same
   std::optional<double> last_roll_;
 };
 

@@ -742,5 +742,40 @@ TEST_F(PlaneFloorTest, a_wrong_mounting_does_not_bend_the_floor_towards_itself_w
   }
 }
 
+/// Ten frames agree with [mounting]; then the rover turns to a wall, and comes so near that no floor is in view.
+TEST_F(PlaneFloorTest, a_wall_that_fills_the_view_is_no_floor_where_the_mounting_is_known_to_be_right) {
+  config.mounting.height = 0.8f;
+  config.mounting.pitch = static_cast<float>(pitch);
+  see(ground(high));
+  int64_t ms = 0;
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(find(ms += 100), Outcome::valid);
+  for (const double turned : {-0.9, -0.6, -0.3, 0.3, 0.6, 0.9})
+    for (const double away : {0.7, 0.8, 0.9}) {
+      see([&](const Point& ray) {
+        const Point h = horizontal(ray, pitch);
+        const double z = away / (h.z * std::cos(turned) + h.x * std::sin(turned)), below = ground(high)(ray);
+        return z > 0 && (below == 0 || z < below) ? z : below;
+      });
+      for (int i = 0; i < 4; ++i) {
+        ++disparity.image().sequence;
+        if (find(ms += 400) != Outcome::valid) continue;
+        EXPECT_LT(std::abs(model().pitch_rad - pitch), 0.33) << "turned " << turned << ", " << away << " m away";
+        EXPECT_LT(std::abs(model().roll_rad), 0.33) << "turned " << turned << ", " << away << " m away";
+        EXPECT_LT(std::abs(model().height_m - high), 0.19) << "turned " << turned << ", " << away << " m away";
+      }
+    }
+}
+
+TEST_F(PlaneFloorTest, a_mounting_changed_while_it_runs_is_not_trusted_before_it_is_seen_to_be_right) {
+  config.mounting.height = 0.8f;
+  see(ground(high));
+  int64_t ms = 0;
+  for (int i = 0; i < 12; ++i) ASSERT_EQ(find(ms += 100), Outcome::valid);
+  config.mounting.height = 1.6f;
+  ASSERT_EQ(find(ms += 100), Outcome::valid);
+  EXPECT_NEAR(model().height_m, high, 0.02);
+  EXPECT_EQ(model().mounting_differs, 1u);
+}
+
 }  // namespace
 }  // namespace vdisp
