@@ -47,7 +47,7 @@ class FireWire : public LiveSteps {
 TEST_F(FireWire, an_mdcs2_gives_both_views_by_turns) {
   config_.camera.views = "turns";
   start("mdcs2");
-  ASSERT_EQ(step(), Outcome::valid) << source_->fault();
+  ASSERT_TRUE(until(Outcome::valid)) << source_->fault();
   EXPECT_EQ(images_[0]->spec.width, 640);
   EXPECT_GT(shift(), 5);
 }
@@ -69,7 +69,7 @@ TEST_F(FireWire, swap_exchanges_the_views) {
   config_.camera.views = "turns";
   config_.camera.swap = "yes";
   start("mdcs2");
-  ASSERT_EQ(step(), Outcome::valid);
+  ASSERT_TRUE(until(Outcome::valid)) << source_->fault();
   EXPECT_LT(shift(), -5);
 }
 
@@ -96,13 +96,13 @@ TEST_F(FireWire, a_colour_head_wants_its_mosaic_told) {
   config_.image_source.bayer = "grbg";
   EXPECT_NE(refusal("mdcs2", 78).find("bayer must be none"), std::string::npos);
   start("mdcs2,colour");
-  EXPECT_EQ(step(), Outcome::valid);
+  EXPECT_TRUE(until(Outcome::valid)) << source_->fault();
 }
 
 TEST_F(FireWire, an_unplugged_camera_is_waited_for) {
   config_.camera.views = "turns";
   start("mdcs2");
-  ASSERT_EQ(step(), Outcome::valid);
+  ASSERT_TRUE(until(Outcome::valid)) << source_->fault();
   std::ofstream(gone_) << "";
   ASSERT_TRUE(until(Outcome::invalid));
   EXPECT_EQ(images_[0]->reason, Reason::no_camera);
@@ -143,12 +143,12 @@ TEST_F(FireWire, exposure_and_gain_are_set) {
   config_.camera.exposeBy = "fixed";
   config_.camera.exposure = 2500;
   start("mdcs2");
-  ASSERT_EQ(step(), Outcome::valid);
+  ASSERT_TRUE(until(Outcome::valid)) << source_->fault();
   const double half = source_->cameras()->view[0].floor_level;
   source_.reset();
   config_.camera.gain = 6.02;
   start("mdcs2");
-  ASSERT_EQ(step(), Outcome::valid);
+  ASSERT_TRUE(until(Outcome::valid)) << source_->fault();
   EXPECT_NEAR(source_->cameras()->view[0].floor_level / half, 2, 0.1);
 }
 
