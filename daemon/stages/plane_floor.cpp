@@ -11,14 +11,13 @@
 namespace vdisp {
 namespace {
 
-constexpr int dark = 14, bright = 250;                       // grey levels
-constexpr double most_bright = 0.7;                          // share of the pixels
-constexpr double least_matched = 0.01;                       // share of the pixels with a disparity
-constexpr double most_untextured = 0.97;                     // share of the pixels refused for it
-constexpr double good_points = 300;                          // on the floor, of some 8000 looked at in 640x480
-constexpr double seen_enough = 800, most_not_nearer = 0.03;  // points before which a floor is hidden; share of them
-constexpr int trusted_from = 10;                             // frames that agreed with [mounting]
-constexpr double steady_s = 2;                               // time constant of the filtered pose
+constexpr int dark = 14, bright = 250;    // grey levels
+constexpr double most_bright = 0.7;       // share of the pixels
+constexpr double least_matched = 0.01;    // share of the pixels with a disparity
+constexpr double most_untextured = 0.97;  // share of the pixels refused for it
+constexpr double good_points = 300;       // on the floor, of some 8000 looked at in 640x480
+constexpr int trusted_from = 10;          // frames that agreed with [mounting]
+constexpr double steady_s = 2;            // time constant of the filtered pose
 // rad: how far a floor may be off the last one until that counts half; where an IMU tells how the camera turned since.
 constexpr double last_off = 0.15, turned_off = 0.05;
 
@@ -192,46 +191,25 @@ std::optional<FloorPlane> PlaneFloor::predicted(const StereoView& view) const no
   return plane_of({std::atan2(normal->z, std::hypot(normal->x, normal->y)), std::atan2(normal->x, normal->y), last_->height_m}, view);
 }
 
-std::optional<FloorPlane> PlaneFloor::blocked(const StereoView& view) noexcept {
-  const auto& mounting = config_.mounting;
-  if (!mounting_is_right() || !view.calibrated()) return std::nullopt;
-  const double pitch = config_.expected_pitch();
-  const FloorPlane floor = plane_of({std::isnan(pitch) ? last_->steady_pitch_rad : pitch, mounting.roll, mounting.height}, view);
-  const kernels::PlaneCount seen = search_.count(floor);
-  const double all = static_cast<double>(search_.points()), not_nearer = static_cast<double>(seen.on) + static_cast<double>(seen.beyond);
-  if (all < seen_enough || not_nearer > most_not_nearer * all) return std::nullopt;
-  return floor;
-}
-
-/// A floor that was not measured lies there.
-void PlaneFloor::lay(const FloorPlane& plane, const StereoView& view, FloorModel& model) noexcept {
-  const PlanePose pose = pose_of(plane, view);
-  model.a = 1 / (16 * plane.down);
-  model.b = plane.horizon(view);
-  model.tilt = plane.across;
-  model.pitch_rad = pose.pitch;
-  model.roll_rad = pose.roll;
-  model.height_m = pose.height;
-}
-
 bool PlaneFloor::hold(const Image& disparity, Reason why, FloorModel& model) noexcept {
   if (!last_) return false;
-  const StereoView view = stereo_view(disparity);
   const double age = static_cast<double>(disparity.timestamp_ns - last_ns_) * 1e-9;
-  const auto hidden = blocked(view);
-  if (!hidden && !(age >= 0 && age <= config_.floor.hold)) return false;
+  if (!(age >= 0 && age <= config_.floor.hold)) return false;
   model = *last_;
-  if (hidden) {
-    lay(*hidden, view, model);
-    model.profile_count = model.profile_seen = 0;
-  } else if (const auto plane = predicted(view)) {
-    lay(*plane, view, model);
+  const StereoView view = stereo_view(disparity);
+  if (const auto plane = predicted(view)) {
+    const PlanePose pose = pose_of(*plane, view);
+    model.a = 1 / (16 * plane->down);
+    model.b = plane->horizon(view);
+    model.tilt = plane->across;
+    model.pitch_rad = pose.pitch;
+    model.roll_rad = pose.roll;
   }
   model.imu = gravity_.use();
   model.state = FloorState::held;
   model.reason = why;
   model.held_s = age;
-  model.confidence *= hidden ? 0 : 1 - age / (config_.floor.hold + 1e-9);
+  model.confidence *= 1 - age / (config_.floor.hold + 1e-9);
   return true;
 }
 

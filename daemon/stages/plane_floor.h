@@ -19,8 +19,7 @@ namespace vdisp {
 /// camera turned since (gravity.h), both where it is held and where the search begins.
 ///
 /// Where ten frames agreed with [mounting], that is right, and only what lies within its tolerances is a floor from there on, until it is
-/// changed. Before, and with a wrong mounting, any plane may be. Where all that is seen stands nearer than that floor the way is blocked:
-/// it is held as [mounting] says, longer than `hold` too, for nothing in such a picture can be free.
+/// changed: a wall that fills the picture is none, and the floor is lost there. Before, and with a wrong mounting, any plane may be.
 class PlaneFloor final : public ImageProcessor {
  public:
   PlaneFloor(Machine& machine, const Config& config)
@@ -40,11 +39,8 @@ class PlaneFloor final : public ImageProcessor {
   void weigh(const FloorModel& before, double part, FloorModel& model) noexcept;
   /// The last floor as it should lie now; none where nothing is known of that.
   std::optional<FloorPlane> predicted(const StereoView& view) const noexcept;
-  static void lay(const FloorPlane& plane, const StereoView& view, FloorModel& model) noexcept;
   bool hold(const Image& disparity, Reason why, FloorModel& model) noexcept;
   bool mounting_is_right() noexcept;
-  /// The floor of [mounting], where nothing is seen on it nor beyond it.
-  std::optional<FloorPlane> blocked(const StereoView& view) noexcept;
 
   const Config& config_;
   bool profiles_;

@@ -28,10 +28,6 @@ constexpr double height_off = 0.25, pitch_off = 0.15, roll_off = 0.35, last_heig
 
 int step(int of_standard, int size, int standard) { return std::max(of_standard * size / standard, 1); }
 
-kernels::DisparityPlane single(const FloorPlane& plane) {
-  return {static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
-}
-
 double bell(double off, double half) { return 1 / (1 + off * off / (half * half)); }
 
 }  // namespace
@@ -71,10 +67,6 @@ size_t PlaneSearch::collect(const Image& disparity) {
     }
   }
   return n_;
-}
-
-kernels::PlaneCount PlaneSearch::count(const FloorPlane& plane) const {
-  return machine_.kernels.count_on_plane(lists(), n_, single(plane), plane_reach);
 }
 
 bool PlaneSearch::holds(const Found& found) {
@@ -147,8 +139,9 @@ double PlaneSearch::likely(const FloorPlane& plane, Plane kind, const StereoView
 PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const {
   Found found{plane, {}, {}, likely(plane, kind, view, last)};
   if (found.score <= 0) return found;
-  found.all = count(plane);
-  found.feet = machine_.kernels.count_on_plane({feet_u_.data(), feet_v_.data(), feet_d_.data()}, feet_, single(plane), plane_reach);
+  const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
+  found.all = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
+  found.feet = machine_.kernels.count_on_plane({feet_u_.data(), feet_v_.data(), feet_d_.data()}, feet_, single, plane_reach);
   const double all = found.all.on - price_of_beyond * found.all.beyond,
                feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
   found.score *= std::max(0.0, all + weight_of_feet * feet);

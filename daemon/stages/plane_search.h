@@ -45,8 +45,6 @@ class PlaneSearch {
   /// The same points and seed give the same plane. `last`: the floor of the last frame as it should lie now, or null. `trusted`: [mounting]
   /// has been seen to be right, and what lies outside its tolerances is no floor: a wall, or half a wall.
   std::optional<Found> search(const StereoView& view, uint64_t seed, const Expected* last, bool trusted);
-  /// How many of the points lie on a plane, and beyond it.
-  kernels::PlaneCount count(const FloorPlane& plane) const;
   /// Enough lies on it to call it a floor.
   static bool holds(const Found& found);
   /// Where a point has this true disparity of the floor it may be off by so much, px.

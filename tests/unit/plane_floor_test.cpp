@@ -766,34 +766,6 @@ TEST_F(PlaneFloorTest, a_wall_that_fills_the_view_is_no_floor_where_the_mounting
     }
 }
 
-TEST_F(PlaneFloorTest, a_view_full_of_what_is_near_is_blocked_and_not_blind_as_long_as_it_lasts) {
-  config.mounting.height = 0.8f;
-  config.mounting.pitch = static_cast<float>(pitch);
-  int64_t ms = 0;
-  const auto before_a_wall = [&] { see(with_wall(ground(high), 0.8, 3)); };
-  before_a_wall();
-  EXPECT_EQ(find(ms += 100), Outcome::invalid) << "no floor was ever seen";
-  see(ground(high));
-  for (int i = 0; i < 10; ++i) ASSERT_EQ(find(ms += 100), Outcome::valid);
-  before_a_wall();
-  for (int i = 0; i < 20; ++i) {
-    ASSERT_EQ(find(ms += 500), Outcome::valid) << i;
-    EXPECT_EQ(model().state, FloorState::held);
-    EXPECT_NEAR(model().held_s, 0.5 * (i + 1), 1e-6);
-    EXPECT_NEAR(model().height_m, high, 1e-6);
-  }
-  map();
-  int obstacles = 0;
-  for (int row = 0; row < 50; ++row)
-    for (int column = 0; column < 51; ++column) {
-      EXPECT_NE(ground_map[0]->at<int8_t>(row, column), 0) << row << ", " << column << ": free";
-      obstacles += ground_map[0]->at<int8_t>(row, column) >= 50;
-    }
-  EXPECT_GE(obstacles, 5);
-  see([](const Point&) { return 0.0; });
-  EXPECT_EQ(find(ms += 100), Outcome::invalid) << "nothing matches: blind at once";
-}
-
 TEST_F(PlaneFloorTest, a_mounting_changed_while_it_runs_is_not_trusted_before_it_is_seen_to_be_right) {
   config.mounting.height = 0.8f;
   see(ground(high));
