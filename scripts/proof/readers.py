@@ -17,7 +17,8 @@ def frames_of_c(output, _):
 
 
 def frames_of_dump(_, folder):
-    whole = [file for file in sorted(folder.glob("dump/*/frame.json")) if file.stat().st_size > 0]
+    """Whole frames: of one that was killed a hidden folder is left, .000012.part, which would come first."""
+    whole = [file for file in sorted(folder.glob("dump/[0-9]*/frame.json")) if file.stat().st_size > 0]
     return [json.loads(file.read_text())["sequence"] for file in whole]
 
 

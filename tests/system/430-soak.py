@@ -21,7 +21,7 @@ sys.dont_write_bytecode = True
 
 from evaluation.report import Section
 from proof import claims
-from proof.readers import KINDS, not_rising
+from proof.readers import KINDS, frames_of_dump, not_rising
 
 BIN = pathlib.Path(os.environ.get("VDISP_BIN", "build/release/bin")).resolve()
 
@@ -112,6 +112,14 @@ class Claims(unittest.TestCase):
         c = next(kind for kind in KINDS if kind.name == "c").check
         lines = b"".join(b"frames %d missed 0 sequence %d\n" % pair for pair in ((0, 0), (3, 12), (3, 12), (5, 9)))
         self.assertEqual(c(lines, None), [12, 9], "a second without a frame is no fault, one that fell is")
+
+    def test_a_frame_that_a_killed_dump_left_half_made_is_none(self):
+        with tempfile.TemporaryDirectory() as place:
+            folder = pathlib.Path(place)
+            for name, sequence in (("000000", 18), ("000001", 20), (".000002.part", 31)):
+                (folder / "dump" / name).mkdir(parents=True)
+                (folder / "dump" / name / "frame.json").write_text(json.dumps({"sequence": sequence}))
+            self.assertEqual(frames_of_dump(b"", folder), [18, 20])
 
 
 class Scripts(unittest.TestCase):
