@@ -18,6 +18,9 @@ struct FloorPlane {
   double horizon(const StereoView& view) const { return view.cy - middle / down; }
 };
 
+/// Of the camera's height: so much nearer or farther the plane of a ramp ahead may be.
+inline constexpr double height_of_ramp = 0.35;
+
 struct PlanePose {
   double pitch, roll, height;  ///< rad, positive: looks down, right side low; m
 };

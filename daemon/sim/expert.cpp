@@ -8,7 +8,7 @@ namespace vdisp::sim {
 namespace {
 
 constexpr double step = 0.0873;  // rad: 5 deg
-constexpr int seen = 6;          // steps: the camera sees 29 deg to each side
+constexpr int seen = 6;          // steps: the camera sees 30 deg to each side, nearly
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// true_steering.cpp: what a driver that knows the world would do where the robot is: labels for a classifier.
+// true_steering.cpp: what a driver that knows the world says of the view: labels for a classifier.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/sim/truth_stage.h"
 

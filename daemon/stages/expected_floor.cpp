@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/geometry/floor_plane.h"
 #include "daemon/stages/local_floor.h"
 #include "daemon/stages/projection.h"
 
 namespace vdisp {
 namespace {
 
-constexpr double height_of_ramp = 0.35;  // of that of the camera: so much nearer or farther a ramp may be
-constexpr double slope_over = 0.5;       // m: of the ground last seen
-constexpr float hidden = -1e4f;          // px: no floor there
-constexpr uint64_t held_frames = 30;     // a floor not seen for longer is not expected any more
+constexpr double slope_over = 0.5;    // m: of the ground last seen
+constexpr float hidden = -1e4f;       // px: no floor there
+constexpr uint64_t held_frames = 30;  // a floor not seen for longer is not expected any more
 
 }  // namespace
 

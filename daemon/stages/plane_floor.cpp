@@ -17,6 +17,7 @@ constexpr double least_matched = 0.01;    // share of the pixels with a disparit
 constexpr double most_untextured = 0.97;  // share of the pixels refused for it
 constexpr double good_points = 300;       // on the floor, of some 8000 looked at in 640x480
 constexpr int trusted_from = 10;          // frames that agreed with [mounting]
+constexpr double trusted_s = 30;          // without a floor
 constexpr double steady_s = 2;            // time constant of the filtered pose
 // rad: how far a floor may be off the last one until that counts half; where an IMU tells how the camera turned since.
 constexpr double last_off = 0.15, turned_off = 0.05;
@@ -109,7 +110,7 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   } else if (last_) {
     last = {LocalFloor(*last_, view).plane(), last_off};
   }
-  const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr, mounting_is_right());
+  const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr, trusts_mounting(disparity));
   if (!found || !PlaneSearch::holds(*found)) return false;
   describe(view, *found, model);
   if (profiles_ && view.calibrated()) profile_.measure(search_, disparity, model);
@@ -117,16 +118,24 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   if (!std::isnan(model.height_m)) gravity_.found(normal_of(model.pitch_rad, model.roll_rad));
   last_ = model;
   last_ns_ = disparity.timestamp_ns;
-  if (trust_.frames < trusted_from) trust_.frames = model.mounting_differs ? 0 : trust_.frames + 1;
+  if (trust_.frames < trusted_from) trust_.frames = agrees_with_mounting(model) ? trust_.frames + 1 : 0;
   return true;
 }
 
-bool PlaneFloor::mounting_is_right() noexcept {
+bool PlaneFloor::trusts_mounting(const Image& disparity) noexcept {
   const auto& mounting = config_.mounting;
   const double pitch = config_.expected_pitch();
-  const bool changed = mounting.height != trust_.height || !(pitch == trust_.pitch || std::isnan(pitch));
-  if (changed) trust_ = {mounting.height, pitch, 0};
+  const bool changed = mounting.height != trust_.height || pitch != trust_.pitch || mounting.roll != trust_.roll;
+  const bool long_lost = last_ && static_cast<double>(disparity.timestamp_ns - last_ns_) > trusted_s * 1e9;
+  if (changed || long_lost) trust_ = {mounting.height, pitch, mounting.roll, 0};
   return trust_.frames >= trusted_from;
+}
+
+/// False where [mounting] does not tell height and pitch: there is nothing to trust.
+bool PlaneFloor::agrees_with_mounting(const FloorModel& model) const noexcept {
+  const auto& mounting = config_.mounting;
+  return mounting.height > 0 && !std::isnan(config_.expected_pitch()) && !std::isnan(model.height_m) && !model.mounting_differs &&
+         std::abs(model.steady_roll_rad - mounting.roll) <= mounting.pitchTolerance;
 }
 
 void PlaneFloor::describe(const StereoView& view, const PlaneSearch::Found& found, FloorModel& model) noexcept {

@@ -18,8 +18,9 @@ namespace vdisp {
 /// light, no texture, or nothing that matches. lost: neither; blind, with the reason. With an IMU the last floor is taken to lie as the
 /// camera turned since (gravity.h), both where it is held and where the search begins.
 ///
-/// Where ten frames agreed with [mounting], that is right, and only what lies within its tolerances is a floor from there on, until it is
-/// changed: a wall that fills the picture is none, and the floor is lost there. Before, and with a wrong mounting, any plane may be.
+/// Where ten frames one after the other agreed with height, pitch and roll of [mounting] it is trusted: only its ground, and ramps up to
+/// [Floor] maxSlope, are floors then. A wall that fills the picture is none, and the floor is lost there. Trust ends where [mounting] is
+/// changed, and after half a minute without a floor: a camera that was knocked is measured anew, and told.
 class PlaneFloor final : public ImageProcessor {
  public:
   PlaneFloor(Machine& machine, const Config& config)
@@ -40,7 +41,9 @@ class PlaneFloor final : public ImageProcessor {
   /// The last floor as it should lie now; none where nothing is known of that.
   std::optional<FloorPlane> predicted(const StereoView& view) const noexcept;
   bool hold(const Image& disparity, Reason why, FloorModel& model) noexcept;
-  bool mounting_is_right() noexcept;
+  /// Forgets its trust where [mounting] was changed, or no floor was found for long.
+  bool trusts_mounting(const Image& disparity) noexcept;
+  bool agrees_with_mounting(const FloorModel& model) const noexcept;
 
   const Config& config_;
   bool profiles_;
@@ -50,8 +53,8 @@ class PlaneFloor final : public ImageProcessor {
   std::optional<FloorModel> last_;  // found
   int64_t last_ns_ = 0;
   struct Trust {
-    double height = 0, pitch = 0;  // [mounting] as it was
-    int frames = 0;                // agreed with it one after the other
+    double height = 0, pitch = 0, roll = 0;  // [mounting] as it was
+    int frames = 0;                          // agreed with it one after the other
   } trust_;
 };
 

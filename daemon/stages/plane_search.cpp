@@ -18,7 +18,7 @@ constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
 constexpr size_t few = 3;                       // guesses are fitted to every third point, the best of them to all
 constexpr double nearer_side = 0.7;
-constexpr double bumps = 0.25;                           // rad: pitch and roll that driving adds
+constexpr double bumps = 0.25;                           // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
@@ -77,8 +77,15 @@ bool PlaneSearch::holds(const Found& found) {
 bool PlaneSearch::within_mounting(const PlanePose& pose) const {
   const auto& m = config_.mounting;
   const double pitch = config_.expected_pitch();
-  return std::abs(pose.height / m.height - 1) <= 1.5 * m.heightTolerance && std::abs(pose.roll - m.roll) <= m.pitchTolerance + bumps &&
+  return std::abs(pose.height / m.height - 1) <= 1.5 * m.heightTolerance &&
          (std::isnan(pitch) || std::abs(pose.pitch - pitch) <= m.pitchTolerance + bumps);
+}
+
+bool PlaneSearch::drivable(const PlanePose& pose) const {
+  const auto& m = config_.mounting;
+  const double steepest = config_.floor.maxSlope + m.pitchTolerance;
+  return std::abs(pose.height / m.height - 1) <= std::max(height_of_ramp, 1.5 * m.heightTolerance) &&
+         std::abs(pose.roll - m.roll) <= steepest && std::abs(pose.pitch - config_.expected_pitch()) <= steepest;
 }
 
 std::optional<FloorPlane> PlaneSearch::through_three(Random& random) const {
@@ -124,7 +131,8 @@ double PlaneSearch::likely(const FloorPlane& plane, Plane kind, const StereoView
   const PlanePose pose = pose_of(plane, view);
   if (!(pose.height > least_height && pose.height < most_height && std::abs(pose.pitch) < most_pitch)) return 0;
   const double height = config_.mounting.height, pitch = config_.expected_pitch();
-  if (mounted_ && (trusted_ || kind == Plane::guess) && !within_mounting(pose)) return 0;
+  if (mounted_ && kind == Plane::guess && !within_mounting(pose)) return 0;
+  if (trusted_ && !drivable(pose)) return 0;
   double likely = bell(pose.roll - config_.mounting.roll, roll_off);
   if (height > 0) likely *= bell(pose.height / height - 1, height_off);
   likely *= std::isnan(pitch) ? bell(pose.pitch - usual_pitch, usual_pitch_off) : bell(pose.pitch - pitch, pitch_off);
@@ -190,7 +198,7 @@ std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, ui
   trusted_ = mounted_ && trusted;
   if (mounted_) {
     const auto found = try_planes(view, random, last);
-    if (trusted_ || (found && holds(*found))) return found;
+    if (found && holds(*found)) return found;
     mounted_ = false;
   }
   return try_planes(view, random, last);

@@ -16,10 +16,9 @@ namespace vdisp {
 
 /// Random planes through points of the disparity image, judged by what lies on them, less what lies beyond them (nothing is seen through a
 /// floor, though over its edge), the ground at the rover's feet above all, and by how well they agree with the mounting and the last floor.
-/// A floor within the mounting's tolerances is looked for first, any floor where there is none; what fits from there on may lead out of
-/// them, as a mounting can be wrong. Points are drawn by threes; by twos, with a
-/// roll taken for granted; and one by one, with roll and height, which finds a floor of which hardly anything is seen. The best are fitted
-/// to their points, with Tukey's weights.
+/// Guesses keep to the mounting's tolerances first, and to nothing where no floor is found so; what fits from there on may lead out of
+/// them, as a mounting can be wrong. Points are drawn by threes; by twos, with a roll taken for granted; and one by one, with roll and
+/// height, which finds a floor of which hardly anything is seen. The best are fitted to their points, with Tukey's weights.
 class PlaneSearch {
  public:
   PlaneSearch(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -43,7 +42,7 @@ class PlaneSearch {
     double off;
   };
   /// The same points and seed give the same plane. `last`: the floor of the last frame as it should lie now, or null. `trusted`: [mounting]
-  /// has been seen to be right, and what lies outside its tolerances is no floor: a wall, or half a wall.
+  /// has been seen to be right, and what is neither its ground nor a ramp of [Floor] maxSlope is no floor: a wall, or half a wall.
   std::optional<Found> search(const StereoView& view, uint64_t seed, const Expected* last, bool trusted);
   /// Enough lies on it to call it a floor.
   static bool holds(const Found& found);
@@ -62,6 +61,7 @@ class PlaneSearch {
   /// How far what is known beforehand supports a plane, 0..1; 0: it cannot be the floor.
   double likely(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const;
   bool within_mounting(const PlanePose& pose) const;
+  bool drivable(const PlanePose& pose) const;
   std::optional<Found> try_planes(const StereoView& view, Random& random, const Expected* last);
   Found judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const;
   /// Fits it to every `step`th of its points; from 2 on as a guess, that may be far off.
@@ -74,7 +74,7 @@ class PlaneSearch {
   mutable kernels::Aligned<float> u_, v_, d_, feet_u_, feet_v_, feet_d_;
   size_t n_ = 0, feet_ = 0;  // points; how many of them are also in the lists of the lowest
   bool mounted_ = false;     // guesses: only what agrees with [mounting]
-  bool trusted_ = false;     // fits: the same
+  bool trusted_ = false;     // guesses and fits: only what is drivable
   std::optional<double> last_roll_;
 };
 

@@ -92,6 +92,7 @@ struct PlaneFloorTest : testing::Test {
   Picture imu{record_spec<Imu>()};
   std::unique_ptr<PlaneFloor> stage;
   std::vector<std::unique_ptr<Picture>> floor, over, ground_map;
+  int64_t ms = 0;
 
   void SetUp() override {
     config.image_source.ndisp = 64;
@@ -114,9 +115,9 @@ struct PlaneFloorTest : testing::Test {
       return d > 0 && d < 16 * 64 ? static_cast<int16_t>(d) : rejected(Rejected::low_texture);
     });
   }
-  Outcome find(int64_t ms = 0) {
+  Outcome find(int64_t at_ms = 0) {
     if (!stage) stage = std::make_unique<PlaneFloor>(machine, config);
-    disparity.image().timestamp_ns = ms * 1'000'000;
+    disparity.image().timestamp_ns = at_ms * 1'000'000;
     return run_stage(*stage, {&disparity, &left, &imu}, floor);
   }
   const FloorModel& model() { return *record_of<FloorModel>(floor.at(1)->image()); }
@@ -128,6 +129,13 @@ struct PlaneFloorTest : testing::Test {
     ASSERT_EQ(
         run_stage(occupancy, {&disparity, over[1].get(), over[0].get(), over[2].get(), over[3].get(), floor[1].get(), &left}, ground_map),
         Outcome::valid);
+  }
+  /// Twelve frames of level ground, as [mounting] says.
+  void trust_mounting() {
+    config.mounting.height = 0.8f;
+    config.mounting.pitch = static_cast<float>(pitch);
+    see(ground(high));
+    for (int i = 0; i < 12; ++i) ASSERT_EQ(find(ms += 100), Outcome::valid) << i;
   }
   static int row_of(double ahead) { return 49 - static_cast<int>(ahead / 0.1); }
   static int column_of(double right) { return static_cast<int>(std::floor(right / 0.1 + 25.5)); }
@@ -744,11 +752,8 @@ TEST_F(PlaneFloorTest, a_wrong_mounting_does_not_bend_the_floor_towards_itself_w
 
 /// Ten frames agree with [mounting]; then the rover turns to a wall, and comes so near that no floor is in view.
 TEST_F(PlaneFloorTest, a_wall_that_fills_the_view_is_no_floor_where_the_mounting_is_known_to_be_right) {
-  config.mounting.height = 0.8f;
-  config.mounting.pitch = static_cast<float>(pitch);
-  see(ground(high));
-  int64_t ms = 0;
-  for (int i = 0; i < 10; ++i) ASSERT_EQ(find(ms += 100), Outcome::valid);
+  trust_mounting();
+  const double steepest = config.floor.maxSlope + config.mounting.pitchTolerance;
   for (const double turned : {-0.9, -0.6, -0.3, 0.3, 0.6, 0.9})
     for (const double away : {0.7, 0.8, 0.9}) {
       see([&](const Point& ray) {
@@ -759,18 +764,57 @@ TEST_F(PlaneFloorTest, a_wall_that_fills_the_view_is_no_floor_where_the_mounting
       for (int i = 0; i < 4; ++i) {
         ++disparity.image().sequence;
         if (find(ms += 400) != Outcome::valid) continue;
-        EXPECT_LT(std::abs(model().pitch_rad - pitch), 0.33) << "turned " << turned << ", " << away << " m away";
-        EXPECT_LT(std::abs(model().roll_rad), 0.33) << "turned " << turned << ", " << away << " m away";
-        EXPECT_LT(std::abs(model().height_m - high), 0.19) << "turned " << turned << ", " << away << " m away";
+        EXPECT_LT(std::abs(model().pitch_rad - pitch), steepest) << "turned " << turned << ", " << away << " m away";
+        EXPECT_LT(std::abs(model().roll_rad), steepest) << "turned " << turned << ", " << away << " m away";
+        EXPECT_LT(std::abs(model().height_m - high), 0.35 * high) << "turned " << turned << ", " << away << " m away";
       }
+      see(ground(high));
+      ASSERT_EQ(find(ms += 400), Outcome::valid) << "back on the ground";
+      EXPECT_NEAR(model().pitch_rad, pitch, 0.01);
     }
+  see(with_wall(ground(high), 0.8, 3));
+  ASSERT_EQ(find(ms += 600), Outcome::invalid) << "longer than hold";
+  EXPECT_EQ(reason(), Reason::no_floor);
+}
+
+TEST_F(PlaneFloorTest, a_ramp_that_fills_the_view_is_a_floor_where_the_mounting_is_known_to_be_right) {
+  for (const double rise : {0.17, 0.26, -0.17}) {
+    stage.reset();
+    trust_mounting();
+    // The ramp begins a metre ahead of the camera's foot, in all that is in view.
+    const double below = (high + 1.0 * std::tan(rise)) * std::cos(rise);
+    see(ground(below, 0, pitch + rise));
+    ASSERT_EQ(find(ms += 100), Outcome::valid) << rise;
+    EXPECT_EQ(model().state, FloorState::found) << rise;
+    EXPECT_NEAR(model().pitch_rad, pitch + rise, 0.02);
+    EXPECT_NEAR(model().height_m, below, 0.03);
+  }
+}
+
+/// A camera that was knocked: nothing of what it sees can be its floor any more, until that lasted.
+TEST_F(PlaneFloorTest, a_mounting_that_was_right_is_measured_anew_after_half_a_minute_without_a_floor) {
+  trust_mounting();
+  see(ground(1.3));
+  for (int i = 0; i < 29; ++i) EXPECT_EQ(find(ms += 1000), Outcome::invalid) << i;
+  for (int i = 0; i < 10; ++i) find(ms += 1000);
+  EXPECT_EQ(model().state, FloorState::found);
+  EXPECT_NEAR(model().height_m, 1.3, 0.03);
+  EXPECT_EQ(model().mounting_differs, 1u);
+}
+
+TEST_F(PlaneFloorTest, a_mounting_of_another_roll_is_never_trusted) {
+  config.mounting.roll = 0.5f;
+  config.mounting.height = 0.8f;
+  config.mounting.pitch = static_cast<float>(pitch);
+  see(ground(high));
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_EQ(find(ms += 100), Outcome::valid) << i;
+    EXPECT_NEAR(model().roll_rad, 0, 0.03);
+  }
 }
 
 TEST_F(PlaneFloorTest, a_mounting_changed_while_it_runs_is_not_trusted_before_it_is_seen_to_be_right) {
-  config.mounting.height = 0.8f;
-  see(ground(high));
-  int64_t ms = 0;
-  for (int i = 0; i < 12; ++i) ASSERT_EQ(find(ms += 100), Outcome::valid);
+  trust_mounting();
   config.mounting.height = 1.6f;
   ASSERT_EQ(find(ms += 100), Outcome::valid);
   EXPECT_NEAR(model().height_m, high, 0.02);
