@@ -29,6 +29,7 @@ def words(counts):
 
 def losses(section, run):
     gate, health = section.gate, run.health
+    gate("the probe that counts told the figures to the end", run.uncounted is None, run.uncounted or "it did", "it did")
     gate("no frame was blind", health["blind_frames"] == 0, words(health["blind"]), "none")
     gate("every frame had a pair", health["no_pair"] == 0, health["no_pair"], 0)
     gate("no map was dropped", health["map_drops"] == 0, health["map_drops"], 0)

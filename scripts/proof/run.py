@@ -99,7 +99,7 @@ class Run:
 
     def over(self):
         enough = self.options.frames is not None and self.frames() >= self.options.frames
-        return enough or time.monotonic() - self.began >= self.options.seconds or not self.watched.alive()
+        return enough or time.monotonic() - self.began >= self.options.seconds or not self.watched.alive() or self.watched.silent() is not None
 
     def step(self):
         self.crowd.step()
@@ -123,7 +123,7 @@ class Run:
         if self.lived:
             self.sockets_clean = wait_until(lambda: len(sockets()) <= 1, 3)  # that of the probe that counts
             self.sockets, self.held_after = sockets(), held_by(self.watched.process.pid)
-        self.seconds = time.monotonic() - self.began
+        self.seconds, self.uncounted = time.monotonic() - self.began, self.watched.silent()
         self.code = self.watched.stop()
         self.said = self.watched.said().decode(errors="replace")
 

@@ -30,7 +30,8 @@ class Watched:
         self.samples, self.newest, self.stats = [], None, None
         self.ready = wait_until(lambda: b"ready: " in self.said() or self.process.poll() is not None, first) and self.alive()
         if self.ready:
-            self.stats = programs.start("vdisp-probe", "stats", "--json", output=-1, before=before)
+            with open(programs.work / "stats.errors", "wb") as errors:
+                self.stats = programs.start("vdisp-probe", "stats", "--json", output=-1, errors=errors, before=before)
             self.thread = threading.Thread(target=self._watch, daemon=True)
             self.thread.start()
 
@@ -39,6 +40,13 @@ class Watched:
 
     def alive(self):
         return self.process.poll() is None
+
+    def silent(self):
+        """Why nothing is counted any more; None while it is. Figures that stand still hide what is lost."""
+        if self.stats.poll() is None and self.thread.is_alive():
+            return None
+        words = (self.programs.work / "stats.errors").read_text(errors="replace").strip()
+        return f"exit code {self.stats.poll()}: {words[-200:] or 'nothing said'}"
 
     def _watch(self):
         for line in self.stats.stdout:

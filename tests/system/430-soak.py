@@ -52,7 +52,7 @@ class Claims(unittest.TestCase):
         self.run_found = types.SimpleNamespace(
             health=health, samples=self.samples, watched=types.SimpleNamespace(samples=self.samples), hoarders=self.hoarders, tuner=nobody, crowd=nobody,
             senders=nobody, paced=True, held_before=held, held_after=dict(held), sockets=["vdisp-0-1-2"], sockets_clean=True,
-            steady={"code": 0, "fallen": 0, "refused": 0, "missed": 0}, new_reader=0.02)
+            steady={"code": 0, "fallen": 0, "refused": 0, "missed": 0}, new_reader=0.02, uncounted=None)
 
     def failed(self):
         section = Section("soak", "")
@@ -78,6 +78,7 @@ class Claims(unittest.TestCase):
                              (lambda: self.run_found.steady.update(fallen=1), "the planner that stayed saw frames in order"),
                              (lambda: self.run_found.steady.update(missed=1), "the planner that stayed missed no frame"),
                              (lambda: setattr(self.run_found, "new_reader", None), "a new reader has a map within 1 s"),
+                             (lambda: setattr(self.run_found, "uncounted", "exit code 69: vdispd has ended"), "the probe that counts told the figures to the end"),
                              (lambda: setattr(self.run_found, "sockets_clean", False), "no socket of the dead is left")):
             with self.subTest(gate=gate):
                 before = len(self.failed())
