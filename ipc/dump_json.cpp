@@ -204,6 +204,7 @@ ordered_json scores_json(const SnowScores& s) {
           {"left_difference", number(s.left_difference)},
           {"obstacle_sensitivity", number(s.obstacle_sensitivity)},
           {"direction_sensitivity", number(s.direction_sensitivity)},
+          {"clear", number(s.clear)},
           {"encoding", s.encoding},
           {"active", s.active}};
 }

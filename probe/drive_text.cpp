@@ -33,7 +33,7 @@ std::vector<std::string> scores_text(const SnowScores& s) {
   const bool free = s.free_difference + s.obstacle_sensitivity > 0, left = s.left_difference + s.direction_sensitivity > 0;
   return {std::string("way         ") + (free ? "free" : "obstacle"),
           "obstacle    " + or_dash("free %.3f", s.free) + or_dash(", obstacle %.3f", s.obstacle) + or_dash(": %+.4f", s.free_difference) +
-              or_dash(", sensitivity %+.4f", s.obstacle_sensitivity),
+              or_dash(", sensitivity %+.4f", s.obstacle_sensitivity) + or_dash(", clear from %.4f", s.clear),
           std::string("to evade    ") + (left ? "left" : "right"),
           "direction   " + or_dash("left %.3f", s.left) + or_dash(", right %.3f", s.right) + or_dash(": %+.4f", s.left_difference) +
               or_dash(", sensitivity %+.4f", s.direction_sensitivity),

@@ -11,7 +11,7 @@
 namespace vdisp::snow {
 
 inline constexpr std::string_view model_magic = "VDSPSNOW";
-inline constexpr uint32_t model_version = 1;
+inline constexpr uint32_t model_version = 2;
 inline constexpr size_t model_page = 4096;  ///< the weights start on a page's border
 inline constexpr size_t model_weights_bytes = 4 * vector_length * sizeof(float);
 
@@ -24,7 +24,7 @@ struct ModelHeader {
   Settings settings;
   Trained obstacle, direction;
 };
-static_assert(sizeof(Settings) == 32 && sizeof(Winnow) == 56 && sizeof(Trained) == 104 && sizeof(ModelHeader) == 272);
+static_assert(sizeof(Settings) == 32 && sizeof(Winnow) == 56 && sizeof(Trained) == 112 && sizeof(ModelHeader) == 288);
 
 uint32_t checksum(const void* bytes, size_t size);
 /// Of the page that begins with this header.

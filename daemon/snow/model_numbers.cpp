@@ -38,6 +38,7 @@ std::string nonsense_in(const Trained& t) {
   for (const double value : {w.initial, w.above, w.below, t.initial})
     if (!(value >= 0 && std::isfinite(value))) return found("a parameter of the training", value, "a number from 0 on");
   if (!std::isfinite(t.sensitivity)) return found("the sensitivity", t.sensitivity, "a number");
+  if (!(t.clear > 0 && std::isfinite(t.clear))) return found("what is clear", t.clear, "a number above 0");
   return "";
 }
 

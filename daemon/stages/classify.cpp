@@ -33,14 +33,15 @@ Outcome Classify::process(std::span<const Image* const> in, std::span<Image* con
   scores.left_difference = snow::Model::difference(direction, of_direction);
   scores.obstacle_sensitivity = std::isnan(p.obstacleSensitivity) ? of_obstacle.sensitivity : p.obstacleSensitivity;
   scores.direction_sensitivity = std::isnan(p.directionSensitivity) ? of_direction.sensitivity : p.directionSensitivity;
+  scores.clear = of_obstacle.clear * p.clear;
   scores.encoding = static_cast<uint32_t>(encoding_);
   scores.active = static_cast<uint32_t>(ids_.size());
   return Outcome::valid;
 }
 
-Way way_of(const SnowScores& scores, const Config& config) noexcept {
+Way way_of(const SnowScores& scores) noexcept {
   const double over = scores.free_difference + scores.obstacle_sensitivity;
-  return {over > 0, scores.left_difference + scores.direction_sensitivity > 0, std::clamp(over / config.snow.clear, 0.0, 1.0)};
+  return {over > 0, scores.left_difference + scores.direction_sensitivity > 0, over > 0 ? std::min(over / scores.clear, 1.0) : 0};
 }
 
 }  // namespace vdisp

@@ -29,7 +29,7 @@ class Classify final : public ImageProcessor {
   std::vector<uint32_t> ids_;
 };
 
-/// What the scores say of the way: difference + sensitivity > 0 is free, and left. Clear from [snow] clear on.
-Way way_of(const SnowScores& scores, const Config& config) noexcept;
+/// What the scores say of the way: difference + sensitivity > 0 is free, and left. Its clearness is what it is over 0, of `clear`.
+Way way_of(const SnowScores& scores) noexcept;
 
 }  // namespace vdisp

@@ -15,7 +15,7 @@ enum class Decider : uint32_t { none = 0, vdisparity, snow, operator_order, coun
 /// `snow`: activations of both classifiers' targets (equation 3), and what is decided by: difference + sensitivity > 0 is the first class.
 struct SnowScores {
   static constexpr RecordType type = RecordType::snow_scores;
-  static constexpr uint16_t version = 1;
+  static constexpr uint16_t version = 2;
   RecordHeader header;
   double free, obstacle;         ///< obstacle classifier
   double left, right;            ///< direction classifier
@@ -25,6 +25,7 @@ struct SnowScores {
   double direction_sensitivity;  ///< likewise
   uint32_t encoding;             ///< as in the model
   uint32_t active;               ///< active features
+  double clear;                  ///< nothing is near from this difference + sensitivity on: of the model, times [snow] clear
 };
 
 /// `decision`: the state machine's state. Blind: nobody knows; never forward.
@@ -67,7 +68,7 @@ struct CrossCheck {
   uint64_t agreed, only_map_free, only_snow_free;
 };
 
-static_assert(sizeof(SnowScores) == 80 && sizeof(Decision) == 40 && sizeof(DriveCommand) == 48 && sizeof(CrossCheck) == 64);
+static_assert(sizeof(SnowScores) == 88 && sizeof(Decision) == 40 && sizeof(DriveCommand) == 48 && sizeof(CrossCheck) == 64);
 
 /// One word for files, one phrase for people.
 std::string_view name(Steering steering);

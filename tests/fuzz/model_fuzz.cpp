@@ -66,6 +66,7 @@ void use(const Model& model, const std::array<float, 4>& weights) {
   for (const Trained* trained : {&model.obstacle_training(), &model.direction_training()}) {
     require(std::isfinite(trained->winnow.theta) && trained->winnow.theta > 0, "theta divides");
     require(std::isfinite(trained->sensitivity), "a sensitivity is a number");
+    require(std::isfinite(trained->clear) && trained->clear > 0, "clearness divides");
   }
   for (int target = 0; target < 4; ++target)
     require(model.weights(target)[0] == weights[static_cast<size_t>(target)], "weights are where they were");

@@ -15,8 +15,8 @@ using namespace vdisp::snow;
 /// the left half of the columns for right, in the right one for left.
 int main(int argc, char** argv) {
   std::map<std::string, std::string> given{
-      {"encoding", "depth-map"}, {"width", "320"}, {"height", "240"}, {"disparities", "32"}, {"block", "9"},      {"smooth", "mean"},
-      {"confidence", "0.8"},     {"near", "40"},   {"weight", "1"},   {"theta", "100"},      {"sensitivity", "0"}};
+      {"encoding", "depth-map"}, {"width", "320"}, {"height", "240"}, {"disparities", "32"}, {"block", "9"},       {"smooth", "mean"},
+      {"confidence", "0.8"},     {"near", "40"},   {"weight", "1"},   {"theta", "100"},      {"sensitivity", "0"}, {"clear", "1"}};
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
     given[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);
@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   }
   parts.obstacle.winnow.theta = parts.direction.winnow.theta = number("theta");
   parts.obstacle.sensitivity = parts.direction.sensitivity = number("sensitivity");
+  parts.obstacle.clear = number("clear");
   parts.free = free;
   parts.obstacles = obstacle;
   parts.left = left;

@@ -185,6 +185,7 @@ struct DriveTest : MapDriverTest {
     SnowScores& s = make_record<SnowScores>(scores.image());
     s.free_difference = free;
     s.left_difference = left;
+    s.clear = 0.4;
   }
   const DriveCommand& step(bool sees = true) {
     now += 100 * ms;
@@ -212,7 +213,7 @@ TEST_F(DriveTest, fast_where_nothing_is_near_and_slow_where_something_is) {
   obstacle(2.05, 0);
   const double part = 1.05 / 2;
   EXPECT_NEAR(step().speed, config.decide.leastSpeed + part * (config.decide.speed - config.decide.leastSpeed), 1e-6);
-  say(0.25 * config.snow.clear, 1);
+  say(0.25 * 0.4, 1);
   EXPECT_NEAR(step().speed, config.decide.leastSpeed + 0.25 * (config.decide.speed - config.decide.leastSpeed), 1e-6)
       << "the less clear of both";
   EXPECT_EQ(step().turn_rate, 0);

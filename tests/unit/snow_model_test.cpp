@@ -35,6 +35,7 @@ ModelParts parts_of(const Weights& weights) {
   parts.settings.confidence = 0.25;
   parts.settings.smooth = Smooth::median;
   parts.obstacle.sensitivity = -0.5;
+  parts.obstacle.clear = 0.125;
   parts.obstacle.winnow.theta = 2;
   parts.direction.first = 4788;
   parts.free = weights.of[0], parts.obstacles = weights.of[1], parts.left = weights.of[2], parts.right = weights.of[3];
@@ -72,6 +73,7 @@ TEST_F(ModelFile, holds_what_was_written) {
   const Model model = Model::open(file_);
   EXPECT_EQ(model.settings(), parts_of(weights_).settings);
   EXPECT_EQ(model.obstacle_training().sensitivity, -0.5);
+  EXPECT_EQ(model.obstacle_training().clear, 0.125);
   EXPECT_EQ(model.direction_training().first, 4788u);
   EXPECT_EQ(model.sources(), parts_of(weights_).sources);
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::equal(weights_.of[i].begin(), weights_.of[i].end(), model.weights(i).begin())) << i;
@@ -179,6 +181,8 @@ TEST_F(ModelFile, is_refused_with_numbers_that_decide_nothing_whatever_its_check
       [=](ModelHeader& h) { h.direction.winnow.theta = infinite; },
       [=](ModelHeader& h) { h.obstacle.sensitivity = infinite; },
       [=](ModelHeader& h) { h.direction.sensitivity = nan; },
+      [](ModelHeader& h) { h.obstacle.clear = 0; },
+      [=](ModelHeader& h) { h.obstacle.clear = nan; },
       [=](ModelHeader& h) { h.obstacle.winnow.initial = nan; },
       [](ModelHeader& h) { h.settings.width = 0; },
       [](ModelHeader& h) { h.settings.height = 0; },
@@ -223,8 +227,8 @@ TEST_F(ModelFile, with_a_weight_that_is_no_number_from_0_on_is_neither_read_nor_
 }
 
 TEST_F(ModelFile, of_another_version_says_which) {
-  std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary).seekp(8).put(2);
-  EXPECT_NE(complaint().find("is of version 2, needed is 1"), std::string::npos) << complaint();
+  std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary).seekp(8).put(1);
+  EXPECT_NE(complaint().find("is of version 1, needed is 2"), std::string::npos) << complaint();
 }
 
 TEST_F(ModelFile, of_another_front_end_names_all_that_differs) {

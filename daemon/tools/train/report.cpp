@@ -56,6 +56,16 @@ Verdict obstacle_verdict(const Judgement& judgement, double sensitivity) {
 }
 double obstacle_sensitivity_of(const snow::RocPoint& point) { return point.threshold; }
 
+double clear_of(const Judgement& judgement, double sensitivity) {
+  std::vector<double> over;
+  for (const snow::Judged& one : judgement.obstacle)
+    if (!one.positive && sensitivity - one.score > 0) over.push_back(sensitivity - one.score);
+  if (over.empty()) return 1;
+  const auto middle = over.begin() + static_cast<std::ptrdiff_t>(over.size() / 2);
+  std::nth_element(over.begin(), middle, over.end());
+  return *middle;
+}
+
 // Left is decided where difference + sensitivity > 0: where the score is more than - sensitivity.
 Verdict direction_verdict(const Judgement& judgement, double sensitivity) {
   return verdict_of(true, judgement.direction, sensitivity, std::nextafter(-sensitivity, std::numeric_limits<double>::infinity()));

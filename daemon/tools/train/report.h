@@ -27,6 +27,10 @@ Verdict direction_verdict(const Judgement& judgement, double sensitivity);
 double obstacle_sensitivity_of(const snow::RocPoint& point);
 double direction_sensitivity_of(const snow::RocPoint& point);
 
+/// snow::Trained::clear of the obstacle classifier: the median of difference + sensitivity of the free pairs that it calls free; 1 where it
+/// calls none so. The median, as a few of the clearest would make all others slow.
+double clear_of(const Judgement& judgement, double sensitivity);
+
 /// For people: lines of text. Where a class is missing they say which.
 std::string text_of(const Verdict& verdict);
 /// The curve is thinned to what a plot can show.
