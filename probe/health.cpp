@@ -77,6 +77,20 @@ Json health_json(const Health& health) {
   return json;
 }
 
+Json recorder_json(const RecorderStatus& recorder) {
+  Json json{{"recording", recorder.recording != 0}, {"recorded", recorder.recorded}, {"flight", nullptr}};
+  if (recorder.flight)
+    json["flight"] = {{"held", recorder.held},     {"held_s", recorder.held_s}, {"written", recorder.written},
+                      {"failed", recorder.failed}, {"lost", recorder.lost},     {"writing", recorder.writing != 0}};
+  return json;
+}
+
+std::string recorder_words(const RecorderStatus& recorder) {
+  if (recorder.lost + recorder.failed == 0) return {};
+  return format("flight recorder: %llu steps lost, %llu of %llu folders failed\n", wide(recorder.lost), wide(recorder.failed),
+                wide(recorder.asked));
+}
+
 std::string health_words(const Health& health) {
   std::string text = "map after " + latency_words(health.latency);
   if (health.deadline_ns > 0) text += format("; deadline %.1f ms, missed %llu times", ms(health.deadline_ns), wide(health.deadline_misses));

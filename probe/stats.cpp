@@ -67,7 +67,14 @@ std::string table(const Catalogue& catalogue, const std::vector<Line>& lines, co
   return out;
 }
 
-std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, const Health* health, std::string_view state) {
+/// The daemon's losses; null: not told yet.
+struct Told {
+  const Health* health = nullptr;
+  const RecorderStatus* recorder = nullptr;
+  bool all() const { return health && recorder; }
+};
+
+std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, const Told& told, std::string_view state) {
   nlohmann::ordered_json stages = nlohmann::ordered_json::array();
   for (const Line& line : lines) {
     const CatalogueEntry& e = line.entry;
@@ -86,7 +93,8 @@ std::string json(const Catalogue& catalogue, const std::vector<Line>& lines, con
                                    {"blind_steps", catalogue.blind_steps},
                                    {"period_ns", catalogue.period_ns},
                                    {"step_mean_ns", catalogue.step_mean_ns},
-                                   {"health", health ? health_json(*health) : nlohmann::ordered_json(nullptr)},
+                                   {"health", told.health ? health_json(*told.health) : nlohmann::ordered_json(nullptr)},
+                                   {"recorder", told.recorder ? recorder_json(*told.recorder) : nlohmann::ordered_json(nullptr)},
                                    {"stages", stages}};
   return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -117,22 +125,31 @@ class History {
   int newest_ = 0;
 };
 
-/// The daemon's losses, as told with the catalogue.
-struct Losses {
+/// The newest record of a topic, which is told with the catalogue.
+template <class Record>
+struct Newest {
   Client::Topic topic;
   KeptImage kept;
-  const Health* look(Client& client, uint64_t epoch) {
+  const Record* look(Client& client, uint64_t epoch) {
     const Reading reading = client.latest(topic);
-    if (reading.image && record_of<Health>(*reading.image)) kept.keep(*reading.image);
-    return kept.get() && kept.get()->epoch == epoch ? record_of<Health>(*kept.get()) : nullptr;
+    if (reading.image && record_of<Record>(*reading.image)) kept.keep(*reading.image);
+    return kept.get() && kept.get()->epoch == epoch ? record_of<Record>(*kept.get()) : nullptr;
   }
 };
 
-std::string report(const History& history, const Health* health, const Reading& reading, bool as_json) {
+struct Losses {
+  explicit Losses(Client& client) : health{client.subscribe("health"), {}}, recorder{client.subscribe("recorder"), {}} {}
+  Newest<Health> health;
+  Newest<RecorderStatus> recorder;
+  Told look(Client& client, uint64_t epoch) { return {health.look(client, epoch), recorder.look(client, epoch)}; }
+};
+
+std::string report(const History& history, const Told& told, const Reading& reading, bool as_json) {
   const Catalogue& catalogue = *record_of<Catalogue>(*history.now());
   const std::string state(reading.trust == Trust::dead ? "no daemon, waiting" : reading.trust == Trust::stale ? "stale" : "running");
-  if (as_json) return json(catalogue, history.lines(), health, state);
-  return table(catalogue, history.lines(), state) + (health ? "\n" + health_words(*health) : "");
+  if (as_json) return json(catalogue, history.lines(), told, state);
+  return table(catalogue, history.lines(), state) + (told.health ? "\n" + health_words(*told.health) : "") +
+         (told.recorder ? recorder_words(*told.recorder) : "");
 }
 
 int print_once(Client& client, Client::Topic topic, Losses& losses, bool as_json) {
@@ -140,12 +157,12 @@ int print_once(Client& client, Client::Topic topic, Losses& losses, bool as_json
   for (int tries = 0; tries < 50 && !stopped(); ++tries) {
     const Reading reading = client.wait(topic, Client::Time(100));
     if (!history.take(reading)) continue;
-    const Health* health = losses.look(client, reading.image->epoch);
-    for (int more = 0; !health && more < 12 && !stopped(); ++more) {
-      client.wait(losses.topic, Client::Time(100));
-      health = losses.look(client, history.now()->epoch);
+    Told told = losses.look(client, reading.image->epoch);
+    for (int more = 0; !told.all() && more < 12 && !stopped(); ++more) {
+      client.wait(told.health ? losses.recorder.topic : losses.health.topic, Client::Time(100));
+      told = losses.look(client, history.now()->epoch);
     }
-    print(report(history, health, reading, as_json));
+    print(report(history, told, reading, as_json));
     return 0;
   }
   if (stopped()) return 0;
@@ -159,7 +176,7 @@ int stats(const Options& options) {
   Client client(options.name);
   attach(client, options);
   const Client::Topic topic = client.subscribe("catalogue");
-  Losses losses{client.subscribe("health"), {}};
+  Losses losses(client);
   if (options.once) return print_once(client, topic, losses, options.json);
   History history;
   LiveScreen screen;
@@ -171,8 +188,8 @@ int stats(const Options& options) {
     const bool news = history.take(reading) || reading.trust != last_trust;
     last_trust = reading.trust;
     if (!news || !history.now()) continue;
-    const Health* health = losses.look(client, history.now()->epoch);
-    screen.show(report(history, health, reading, options.json) + (screen.live() && !options.json ? "\nq ends\n" : ""));
+    const Told told = losses.look(client, history.now()->epoch);
+    screen.show(report(history, told, reading, options.json) + (screen.live() && !options.json ? "\nq ends\n" : ""));
   }
   return 0;
 }

@@ -29,6 +29,18 @@ int write_all(int file, const std::string& text) {
   return fsync(file) == 0 ? 0 : errno;
 }
 
+/// Owner, group and mode of the file before. A group that is not the daemon's to give is not kept, and then what the mode allows the group
+/// was not meant for the daemon's own. 0, or errno.
+int take_after(int file, const struct stat& before) {
+  mode_t mode = before.st_mode & 07777;
+  if (fchown(file, before.st_uid, before.st_gid) != 0) {
+    struct stat now {};
+    if (before.st_uid != geteuid() || fstat(file, &now) != 0) return errno;
+    if (now.st_gid != before.st_gid) mode &= ~static_cast<mode_t>(S_IRWXG | S_ISGID);
+  }
+  return fchmod(file, mode) == 0 ? 0 : errno;
+}
+
 void sync_folder(const fs::path& folder) {
   const int open_folder = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (open_folder < 0) return;
@@ -76,8 +88,7 @@ std::string replace_config(const fs::path& named, std::string& expected, const s
   const int written = mkostemp(beside.data(), O_CLOEXEC);
   if (written < 0) return file.parent_path().string() + ": cannot be written: " + std::strerror(errno) + "; nothing was saved";
   int failed = write_all(written, text);
-  if (!failed && fchown(written, before.st_uid, before.st_gid) != 0 && before.st_uid != geteuid()) failed = errno;
-  if (!failed && fchmod(written, before.st_mode & 07777) != 0) failed = errno;
+  if (!failed) failed = take_after(written, before);
   close(written);
   std::string complaint;
   if (failed) complaint = file.string() + ": cannot be written: " + std::strerror(failed) + "; nothing was saved";

@@ -122,6 +122,7 @@ class Run:
         self.steady, self.hands = self.count_of_planner(), self.count_of_latency()
         if self.lived:
             self.sockets_clean = wait_until(lambda: len(sockets()) <= 1, 3)  # that of the probe that counts
+            wait_until(lambda: held_by(self.watched.process.pid)["handles"] <= self.held_before["handles"], 3)  # a reader's is closed after it
             self.sockets, self.held_after = sockets(), held_by(self.watched.process.pid)
         self.seconds, self.uncounted = time.monotonic() - self.began, self.watched.silent()
         self.code = self.watched.stop()

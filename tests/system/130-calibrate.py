@@ -315,20 +315,20 @@ class Check(ProgramTest):
 class CheckOfTheRunningDaemon(ProgramTest):
     """The same scene, and what a function makes of the right views, as the daemon's cameras."""
 
-    def check(self, right=None, calibration=None, options=(), sets=()):
+    def check(self, right=None, calibration=None, options=(), sets=(), name="c.yml"):
         for side in (0, 1):
             folder = self.folder / ("left", "right")[side]
             folder.mkdir(exist_ok=True)
             for i, views in enumerate(VIEWS):
                 cv2.imwrite(str(folder / f"{i:06d}.png"), right(views[side]) if right and side else views[side])
-        (self.folder / "c.yml").write_text(calibration or rectified_text())
-        config = self.write_config(f"ndisp=80\nparamfile=c.yml\nrate=10\nloop=yes\n[mounting]\nheight={CAMERA_HEIGHT}\n[Limit obstacle]\n"
+        (self.folder / name).write_text(calibration or rectified_text())
+        config = self.write_config(f"ndisp=80\nparamfile='{name}'\nrate=10\nloop=yes\n[mounting]\nheight={CAMERA_HEIGHT}\n[Limit obstacle]\n"
                                    f"angRot={PITCH}\n[Map]\nangRot={PITCH}\n", middleware="shm")
         config.write_text(config.read_text().replace("ndisp=32\n", "").replace("debug=0", "debug=1"))
         with Running("vdispd", "-c", config, *sets) as daemon:
             self.assertTrue(wait_until(lambda: "ready" in daemon.text() or daemon.process.poll() is not None, 20), daemon.text())
             result = run("vdisp-calibrate", "check", "--pairs", "4", "--seconds", "2", "--json", *options, timeout=120)
-        self.assertIn(result.returncode, (0, 78), result.stderr)
+        self.assertIn(result.returncode, (0, 78), result.stderr + daemon.text())
         report = json.loads(result.stdout)
         self.assertGreaterEqual(report["pairs"], 2)
         return {finding["name"]: finding for finding in report["findings"]}, result.returncode
@@ -344,6 +344,10 @@ class CheckOfTheRunningDaemon(ProgramTest):
         self.assertAlmostEqual(findings["pitch"]["value"], PITCH, delta=0.01)
         self.assertAlmostEqual(findings["scale"]["value"], 1, delta=0.01)
         self.assertIn("at_5_m", findings)
+
+    def test_a_calibration_whose_name_would_mean_something_in_a_line_of_the_configuration_is_found(self):
+        findings, code = self.check(name="rover $UNSET #2.yml")
+        self.assertEqual((self.faults(findings), code), ([], 0))
 
     def test_a_shift_a_rotation_and_a_wrong_angle_are_named(self):
         findings, code = self.check(right=lambda image: numpy.roll(image, 2, axis=0))

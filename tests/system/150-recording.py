@@ -523,10 +523,16 @@ class Recording(ProgramTest):
         time.sleep(1.5)
         told = json.loads(run("vdisp-probe", "dump-flight", "--json").stdout)
         self.assertLessEqual(len(self.index(pathlib.Path(told["folder"]))), 7)  # 1 MiB holds six pairs of 320x240
+        recorder = json.loads(run("vdisp-probe", "stats", "--once", "--json").stdout)["recorder"]
+        self.assertEqual((recorder["flight"]["written"], recorder["flight"]["failed"], recorder["flight"]["writing"]), (1, 0, False), recorder)
+        self.assertLessEqual(recorder["flight"]["held"], 6)
+        self.assertGreaterEqual(recorder["flight"]["lost"], 0)  # of six pairs, while they were written
 
     def test_without_a_flight_recorder_the_probe_and_the_signal_say_so(self):
         daemon = self.start("main.detectors=none")
         self.assert_refused(run("vdisp-probe", "dump-flight"), 78, "[recorder] seconds")
+        told = json.loads(run("vdisp-probe", "stats", "--once", "--json").stdout)["recorder"]
+        self.assertEqual((told["recording"], told["flight"]), (False, None))
         daemon.process.send_signal(signal.SIGUSR1)
         self.assertTrue(wait_until(lambda: "no flight recorder" in daemon.text()), daemon.text())
         self.assertIsNone(daemon.process.poll())

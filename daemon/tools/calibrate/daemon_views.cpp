@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "config/parameters.h"
+#include "config/quoting.h"
 #include "daemon/tools/calibrate/words.h"
 #include "ipc/include/vdisp/client.h"
 #include "ipc/include/vdisp/control.h"
@@ -24,6 +26,13 @@ constexpr const char* own[] = {"image source.source", "image source.left", "imag
 template <size_t n>
 bool begins_with_one_of(const std::string& text, const char* const (&beginnings)[n]) {
   return std::any_of(std::begin(beginnings), std::end(beginnings), [&](const char* beginning) { return text.starts_with(beginning); });
+}
+
+/// As after --set: a text in quotes, or its $ and # would be taken for more than they are.
+std::string assignment_of(const ParameterInfo& info) {
+  const Parameter* known = find_parameter(info.key);
+  const bool text = known && (known->kind == Kind::text || known->kind == Kind::path);
+  return info.key + "=" + (text ? in_quotes(info.value) : info.value);
 }
 
 }  // namespace
@@ -48,7 +57,7 @@ std::vector<std::string> settings_of_daemon() {
   std::vector<std::string> sets;
   if (control.get_all(all) != Control::Result::done) return sets;
   for (const ParameterInfo& info : all)
-    if (begins_with_one_of(info.key, judged_by) && !begins_with_one_of(info.key, own)) sets.push_back(info.key + "=" + info.value);
+    if (begins_with_one_of(info.key, judged_by) && !begins_with_one_of(info.key, own)) sets.push_back(assignment_of(info));
   return sets;
 }
 
