@@ -21,7 +21,12 @@ Outcome Decide::process(std::span<const Image* const> in, std::span<Image* const
     way.free = way.free && says.free;
     way.clearness = std::min(way.clearness, says.clearness);
   };
-  if (ways_.has_map()) hear(ways_.map(in), Decider::vdisparity);
+  if (in[0]->valid()) {
+    if (ways_.has_map()) hear(ways_.map(in), Decider::vdisparity);
+  } else if (ways_.snow(in).free) {
+    out[0]->reason = in[0]->reason;
+    return Outcome::invalid;
+  }
   if (ways_.has_snow()) hear(ways_.snow(in), Decider::snow);
   decision.steering = machine_.step(way, in[0]->timestamp_ns, config_.decide.hold);
   decision.clearness = way.clearness;

@@ -20,9 +20,10 @@ std::vector<ImageSpec> Drive::check(std::span<const ImageSpec> in) {
   return {record_spec<DriveCommand>()};
 }
 
-/// They disagree, or did a moment ago.
-bool Drive::slowed(const Image& cross_check, int64_t now_ns) noexcept {
-  if (cross_check.valid() && !cross_check.row<CrossCheck>(0)->agree) {
+/// They disagree, or one decided alone as the other is blind, or so it was a moment ago.
+bool Drive::slowed(const Image& decided, const Image& cross_check) noexcept {
+  const int64_t now_ns = decided.timestamp_ns;
+  if (cross_check.valid() ? !cross_check.row<CrossCheck>(0)->agree : decided.valid()) {
     disagreed_ns_ = now_ns;
     has_disagreed_ = true;
   }
@@ -31,7 +32,7 @@ bool Drive::slowed(const Image& cross_check, int64_t now_ns) noexcept {
 
 Outcome Drive::process(std::span<const Image* const> in, std::span<Image* const> out) noexcept {
   const Image& decided = *in[0];
-  const bool slow = in.size() == 3 && slowed(*in[2], decided.timestamp_ns);
+  const bool slow = in.size() == 3 && slowed(decided, *in[2]);
   const auto& decision = *decided.row<Decision>(0);
   DriveCommand& command = make_record<DriveCommand>(*out[0]);
   if (decided.valid()) command.steering = decision.steering;

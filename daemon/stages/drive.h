@@ -12,7 +12,8 @@ namespace vdisp {
 ///
 /// Ahead the speed is [decide] leastSpeed to speed, by the decision's clearness (paper census + SNoW, outlook: fast where nothing is near,
 /// slow where something is); it turns standing. While the detectors disagree, and half a second longer, it goes ahead at leastSpeed and
-/// turns at half the rate: two that contradict each other by turns agree in no frame that counts. The operator's order wins while it is
+/// turns at half the rate: two that contradict each other by turns agree in no frame that counts. So it does where one of them turns it alone
+/// while the other is blind. The operator's order wins while it is
 /// younger than 300 ms, also where the decision is blind, and its command ends then, however late the next frame is (what is replayed has
 /// no end: its clock is another one). Otherwise a blind decision is a blind command, and the rover stops.
 class Drive final : public ImageProcessor {
@@ -25,7 +26,7 @@ class Drive final : public ImageProcessor {
   void begin_anew() noexcept override { has_disagreed_ = false; }
 
  private:
-  bool slowed(const Image& cross_check, int64_t now_ns) noexcept;
+  bool slowed(const Image& decided, const Image& cross_check) noexcept;
 
   const Config& config_;
   int64_t disagreed_ns_ = 0;

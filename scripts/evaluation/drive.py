@@ -129,7 +129,7 @@ def drive_section(daemon, section):
     minutes, numbers = (0.5, 1) if daemon.quick else (5, 4)
     worlds = [(scene, n) for scene in SCENES for n in range(numbers)]
     detector = detector_sets(daemon.model)
-    who = "snow" if daemon.model else "vdisparity"
+    who = {**detector, **daemon.sets}.get("main.detectors", "vdisparity")
     down = MOUNTINGS["down"]
     rows = drive_table(daemon, section, "down", f"{who}, looking down {down} rad", worlds, minutes, detector, pitch=down)
     sums = total(rows)

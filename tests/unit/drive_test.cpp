@@ -194,8 +194,13 @@ struct DriveTest : MapDriverTest {
     for (Picture* picture : {&decision, &check, &command}) picture->image().state = ImageState::valid;
     Image *const decided[] = {&decision.image()}, *const checked[] = {&check.image()}, *const driven[] = {&command.image()};
     if (sees) {
-      EXPECT_EQ(decide.process(in, decided), Outcome::valid);
-      EXPECT_EQ(compare.process(in, checked), Outcome::valid);
+      if (decide.process(in, decided) == Outcome::invalid) decision.image().set_blind(decision.image().reason);
+      if (grid.image().valid()) {
+        EXPECT_TRUE(decision.image().valid());
+        EXPECT_EQ(compare.process(in, checked), Outcome::valid);
+      } else {
+        check.image().set_blind(grid.image().reason);
+      }
     } else {
       decision.image().set_blind(Reason::too_dark);
       check.image().set_blind(Reason::too_dark);
@@ -271,6 +276,26 @@ TEST_F(DriveTest, agreement_is_counted_and_disagreement_slows_until_half_a_secon
   EXPECT_EQ(checked().only_snow_free, 1u);
   EXPECT_EQ(checked().agreed, 8u);
   EXPECT_NEAR(checked().corridor_m, 0.95, 1e-6);
+}
+
+TEST_F(DriveTest, before_a_map_that_is_blind_the_classifiers_turn_it_and_never_send_it_ahead) {
+  grid.image().set_blind(Reason::no_floor);
+  say(1, 1);
+  EXPECT_EQ(step().speed, 0);
+  EXPECT_EQ(command.image().reason, Reason::no_floor);
+  EXPECT_FALSE(command.image().valid()) << "the way that one of them calls free is not driven";
+  say(-1, 1);
+  const DriveCommand& told = step();
+  EXPECT_TRUE(command.image().valid());
+  EXPECT_EQ(decided().decider, Decider::snow);
+  EXPECT_EQ(told.speed, 0);
+  EXPECT_DOUBLE_EQ(told.turn_rate, config.decide.turnRate / 2) << "slowly, as nobody agrees";
+  EXPECT_EQ(told.slowed, 1u);
+  say(1, 1);
+  step();
+  EXPECT_FALSE(command.image().valid());
+  grid.image().state = ImageState::valid;
+  EXPECT_DOUBLE_EQ(step().speed, config.decide.leastSpeed) << "half a second longer";
 }
 
 TEST_F(DriveTest, the_operator_wins_while_the_order_is_young_also_where_nobody_sees) {
