@@ -118,8 +118,7 @@ void add_drive(const Trunk& t, const Handles& ways) {
     for (size_t i = 0; i + 1 < seen.size(); ++i) seen[i] = even_blind(seen[i]);  // of the map; the classifiers' scores are the last
   const auto decision = t.driver.add("decision", make_unique<Decide>(t.config), seen, Need::always);
   Handles orders{even_blind(decision), even_blind(t.in[2])};
-  if (both)
-    orders.push_back(even_blind(t.driver.add("cross_check", make_unique<CompareWays>(t.config), ways, Need::always)));
+  if (both) orders.push_back(even_blind(t.driver.add("cross_check", make_unique<CompareWays>(t.config), ways, Need::always)));
   t.driver.add("drive", make_unique<Drive>(t.config), orders, Need::always);
 }
 

@@ -28,7 +28,7 @@ Outcome Decide::process(std::span<const Image* const> in, std::span<Image* const
     return Outcome::invalid;
   }
   if (ways_.has_snow()) hear(ways_.snow(in), Decider::snow);
-  decision.steering = machine_.step(way, in[0]->timestamp_ns, config_.decide.hold);
+  decision.steering = machine_.step(way, in[0]->timestamp_ns, config_.decide.hold, config_.decide.clearEnough);
   decision.clearness = way.clearness;
   decision.since_s = machine_.since_s();
   decision.changes = machine_.changes();

@@ -12,10 +12,10 @@ namespace vdisp {
 ///
 /// Ahead the speed is [decide] leastSpeed to speed, by the decision's clearness (paper census + SNoW, outlook: fast where nothing is near,
 /// slow where something is); it turns standing. While the detectors disagree, and half a second longer, it goes ahead at leastSpeed and
-/// turns at half the rate: two that contradict each other by turns agree in no frame that counts. So it does where one of them turns it alone
-/// while the other is blind. The operator's order wins while it is
-/// younger than 300 ms, also where the decision is blind, and its command ends then, however late the next frame is (what is replayed has
-/// no end: its clock is another one). Otherwise a blind decision is a blind command, and the rover stops.
+/// turns at half the rate: two that contradict each other by turns agree in no frame that counts. So it does where one of them turns it
+/// alone while the other is blind. The operator's order wins while it is younger than 300 ms, also where the decision is blind, and its
+/// command ends then, however late the next frame is (what is replayed has no end: its clock is another one). Otherwise a blind decision is
+/// a blind command, and the rover stops.
 class Drive final : public ImageProcessor {
  public:
   static constexpr int64_t order_ns = 300'000'000;  ///< the operator's dead-man

@@ -18,17 +18,22 @@ struct Way {
 
 /// Forward while the way is free; else left or right, as the detector says in that moment, until it is free again.
 ///
-/// More than figure 10: a turn that begins within `hold` of the last one goes the same way, or a corner would never be left.
+/// More than figure 10: a turn that begins within `hold` of the last one goes the same way, or a corner would never be left. And a turn
+/// ends only where the way is `clear_enough`: ended at the first view that is just free, it would creep on and turn again a step later.
+/// What is enough becomes less the longer it turns, down to any free way after `patience_s`, about half a circle: in a narrow place there
+/// is no better.
 class SteeringMachine {
  public:
-  /// The state after a frame taken at `now_ns`.
-  Steering step(const Way& way, int64_t now_ns, double hold_s) noexcept {
+  static constexpr double patience_s = 4;
+  /// The state after a frame taken at `now_ns`. clear_enough: 0 to 1, as Way::clearness.
+  Steering step(const Way& way, int64_t now_ns, double hold_s, double clear_enough) noexcept {
     if (steps_++ == 0 || now_ns < last_ns_) since_ns_ = now_ns, turned_ns_ = std::min(turned_ns_, now_ns);
     last_ns_ = now_ns;
-    if (way.free) {
+    const bool ahead = steering_ == Steering::forward;
+    if (way.free && (ahead || way.clearness >= clear_enough * (1 - since_s() / patience_s))) {
       if (steering_ != Steering::forward) turned_ = steering_, turned_ns_ = now_ns;
       change(Steering::forward, now_ns);
-    } else if (steering_ == Steering::forward) {
+    } else if (ahead) {
       const bool held = turned_ != Steering::forward && static_cast<double>(now_ns - turned_ns_) < hold_s * 1e9;
       change(held ? turned_ : way.left ? Steering::turn_left : Steering::turn_right, now_ns);
     }

@@ -956,8 +956,8 @@ class Parameters(DriveProofs, ProgramTest):
     def test_decide_far(self):
         self.falls("decide.far", [2, 6, 20], lambda d: d.json["decision"]["clearness"], *self.AHEAD)
 
-    def test_decide_hold(self):
-        # A box on the right, nothing, a box on the left: by itself each is turned from to the other side.
+    def boxes_by_turns(self):
+        """A box on the right, nothing, a box on the left; as the words that give these pairs."""
         random = numpy.random.default_rng(4)
         wall, box = (random.integers(60, 200, (240, 400), numpy.uint8) for _ in range(2))
         for side in ("left", "right"):
@@ -968,12 +968,23 @@ class Parameters(DriveProofs, ProgramTest):
                 if at:
                     picture[60:200, at - 25 * shift:at - 25 * shift + 70] = box[60:200, :70]
                 cv2.imwrite(str(self.folder / side / f"{i:06d}.png"), picture)
-        files = ["main.middleware=none", "main.debug=0", "image source.source=files", "image source.rate=10", *(
+        return ["main.middleware=none", "main.debug=0", "image source.source=files", "image source.rate=10", *(
             f"image source.{side}={self.folder}/{side}/%06d.png" for side in ("left", "right"))]
+
+    def steerings(self, files, *sets):
+        dumped = self.snow(*sets, frames=3, base=files, near=40, sensitivity=0.05)
+        return [self.frame(dumped.folder, i)["decision"]["steering"] for i in range(3)]
+
+    def test_decide_hold(self):
+        # By itself each is turned from to the other side.
+        files = self.boxes_by_turns()
         for hold, steering in ((0, "turn_right"), (0.05, "turn_right"), (5, "turn_left")):
-            dumped = self.snow(f"decide.hold={hold}", frames=3, base=files, near=40, sensitivity=0.05)
-            steerings = [self.frame(dumped.folder, i)["decision"]["steering"] for i in range(3)]
-            self.assertEqual(steerings, ["turn_left", "forward", steering], hold)
+            self.assertEqual(self.steerings(files, f"decide.hold={hold}", "decide.clearEnough=0"), ["turn_left", "forward", steering], hold)
+
+    def test_decide_clearEnough(self):
+        files = self.boxes_by_turns()
+        self.assertEqual(self.steerings(files, "decide.clearEnough=0", "snow.clear=100")[1], "forward")
+        self.assertEqual(self.steerings(files, "decide.clearEnough=1", "snow.clear=100")[1], "turn_left", "free, and not clear")
 
     # [Memory]
     def test_memory_range(self):

@@ -20,7 +20,7 @@ constexpr Way free_way{true, true, 1}, left_of_it{false, true, 0}, right_of_it{f
 TEST(SteeringMachine, turns_where_the_detector_says_and_holds_it_until_the_way_is_free) {
   SteeringMachine machine;
   int64_t now = 0;
-  const auto step = [&](const Way& way) { return machine.step(way, now += 100 * ms, 0); };
+  const auto step = [&](const Way& way) { return machine.step(way, now += 100 * ms, 0, 0); };
   EXPECT_EQ(step(free_way), Steering::forward);
   EXPECT_EQ(step(right_of_it), Steering::turn_right);
   EXPECT_EQ(step(left_of_it), Steering::turn_right) << "the direction is held";
@@ -33,26 +33,41 @@ TEST(SteeringMachine, turns_where_the_detector_says_and_holds_it_until_the_way_i
 
 TEST(SteeringMachine, begins_with_what_it_sees_first) {
   SteeringMachine machine;
-  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1), Steering::turn_left);
+  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1, 0), Steering::turn_left);
   EXPECT_EQ(machine.since_s(), 0) << "not since the clock began";
 }
 
 TEST(SteeringMachine, a_turn_soon_after_another_goes_the_same_way) {
   SteeringMachine machine;
-  machine.step(right_of_it, 0, 1);
-  machine.step(free_way, 1000 * ms, 1);
-  EXPECT_EQ(machine.step(left_of_it, 1900 * ms, 1), Steering::turn_right);
-  machine.step(free_way, 2000 * ms, 1);
-  EXPECT_EQ(machine.step(left_of_it, 3000 * ms, 1), Steering::turn_left) << "a second is over";
+  machine.step(right_of_it, 0, 1, 0);
+  machine.step(free_way, 1000 * ms, 1, 0);
+  EXPECT_EQ(machine.step(left_of_it, 1900 * ms, 1, 0), Steering::turn_right);
+  machine.step(free_way, 2000 * ms, 1, 0);
+  EXPECT_EQ(machine.step(left_of_it, 3000 * ms, 1, 0), Steering::turn_left) << "a second is over";
+}
+
+TEST(SteeringMachine, a_turn_ends_where_the_way_is_clear_enough_and_less_is_enough_the_longer_it_lasts) {
+  const auto steers = [](double clearness, int64_t at) {
+    SteeringMachine machine;
+    machine.step(left_of_it, 0, 1, 0.4);
+    return machine.step({.free = true, .clearness = clearness}, at, 1, 0.4);
+  };
+  EXPECT_EQ(steers(0.41, 0), Steering::forward);
+  EXPECT_EQ(steers(0.39, 0), Steering::turn_left);
+  EXPECT_EQ(steers(0.21, 2000 * ms), Steering::forward) << "half of 4 s";
+  EXPECT_EQ(steers(0.19, 2000 * ms), Steering::turn_left);
+  EXPECT_EQ(steers(0, 4000 * ms), Steering::forward) << "half a circle: there is no better way";
+  SteeringMachine machine;
+  EXPECT_EQ(machine.step({.free = true, .clearness = 0}, 0, 1, 0.4), Steering::forward) << "ahead, any free way is driven";
 }
 
 TEST(SteeringMachine, time_may_begin_anew) {
   SteeringMachine machine;
-  machine.step(right_of_it, 9000 * ms, 1);
-  machine.step(free_way, 9100 * ms, 1);
-  machine.step(free_way, 0, 1);
+  machine.step(right_of_it, 9000 * ms, 1, 0);
+  machine.step(free_way, 9100 * ms, 1, 0);
+  machine.step(free_way, 0, 1, 0);
   EXPECT_EQ(machine.since_s(), 0);
-  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1), Steering::turn_left);
+  EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1, 0), Steering::turn_left);
 }
 
 /// A map of 5 x 5.1 m ahead of the rover: from 0.4 m on in view, and free.
