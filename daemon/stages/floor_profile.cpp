@@ -22,7 +22,8 @@ constexpr float price_of_step = 0.10f, price_of_level = 0.002f, price_of_below =
 
 }  // namespace
 
-void FloorProfile::prepare() {
+void FloorProfile::prepare(size_t most_points) {
+  ground_.reserve(most_points);
   seen_.assign(bins * levels, 0.0f);
   cost_.assign(bins * levels, 0.0f);
   came_from_.assign(bins * levels, 0);
@@ -41,6 +42,7 @@ void FloorProfile::measure(const PlaneSearch& points, const Image& disparity, Fl
 
 void FloorProfile::count(const PlaneSearch& points, const Image& disparity, const FloorModel& model, const Scale& scale) noexcept {
   std::fill(seen_.begin(), seen_.end(), 0.0f);
+  ground_.clear();
   const StereoView view = stereo_view(disparity);
   const double fb = view.f * view.baseline, cos_pitch = std::cos(model.pitch_rad), sin_pitch = std::sin(model.pitch_rad);
   const double down = 1 / (16 * model.a), middle_disparity = down * (view.cy - model.b);
@@ -62,7 +64,10 @@ void FloorProfile::count(const PlaneSearch& points, const Image& disparity, cons
                   far = disparity.row<int16_t>(std::max(row - rows, 0))[column];
     const double least = height < 0 ? least_fall : least_fall * model.height_m / (model.height_m + ahead * steepest);
     const bool upright = (near > 0 && row + rows <= bottom && near - here < least) || (far > 0 && row >= rows && here - far < least);
-    if (!upright) seen_[cell(bin, static_cast<int>(level))] += 1;
+    if (upright) continue;
+    seen_[cell(bin, static_cast<int>(level))] += 1;
+    if (ground_.size() < ground_.capacity())
+      ground_.push_back({bin, static_cast<float>((u * cos_roll - v * sin_roll) * z / view.f), static_cast<float>(height)});
   }
 }
 

@@ -17,9 +17,11 @@ namespace vdisp {
 class FloorProfile {
  public:
   explicit FloorProfile(const Config& config) : config_(config) {}
-  void prepare();
+  void prepare(size_t most_points);
   /// Fills the profile of a model whose plane is known, in metres.
   void measure(const PlaneSearch& points, const Image& disparity, FloorModel& model) noexcept;
+  /// By how much the ground that was measured rises to the right against its plane, m per m.
+  double bank(const FloorModel& model) const noexcept;
 
  private:
   static constexpr int bins = static_cast<int>(FloorModel::profile_capacity), levels = 161, middle = levels / 2, reach = 3;
@@ -33,6 +35,12 @@ class FloorProfile {
   static size_t cell(int bin, int level) { return static_cast<size_t>(bin * levels + level); }
 
   const Config& config_;
+  /// One that does not stand upright: m to the right, m over the plane.
+  struct GroundPoint {
+    int bin;
+    float right, height;
+  };
+  std::vector<GroundPoint> ground_;
   std::vector<float> seen_;               // points by bin and level, without what stands upright
   std::vector<float> cost_;               // of the cheapest way to here
   std::vector<int8_t> came_from_;         // level of the bin before, less this one

@@ -34,7 +34,7 @@ std::vector<ImageSpec> PlaneFloor::check(std::span<const ImageSpec> in) {
   require(in[2], Pixel::record, "the IMU");
   require_same_size(in[0], in[1]);
   search_.prepare(in[0]);
-  profile_.prepare();
+  profile_.prepare(search_.most_points());
   return {{Pixel::line16, 0, static_cast<uint16_t>(16 * config_.image_source.ndisp), 1}, record_spec<FloorModel>()};
 }
 
@@ -113,7 +113,12 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   const auto found = search_.search(view, disparity.sequence, last ? &*last : nullptr, trusts_mounting(disparity));
   if (!found || !PlaneSearch::holds(*found)) return false;
   describe(view, *found, model);
-  if (profiles_ && view.calibrated()) profile_.measure(search_, disparity, model);
+  if (profiles_ && view.calibrated()) {
+    profile_.measure(search_, disparity, model);
+    FloorPlane plane = found->plane;
+    plane.across += profile_.bank(model) * view.baseline / model.height_m;
+    lay(plane, view, model);
+  }
   steady(disparity, model);
   if (!std::isnan(model.height_m)) gravity_.found(normal_of(model.pitch_rad, model.roll_rad));
   last_ = model;
@@ -143,14 +148,16 @@ void PlaneFloor::describe(const StereoView& view, const PlaneSearch::Found& foun
   model.state = FloorState::found;
   model.points = found.all.on;
   model.confidence = on / (on + 2 * beyond) * std::min(1.0, on / good_points);
-  model.a = 1 / (16 * found.plane.down);
-  model.b = found.plane.horizon(view);
-  model.tilt = found.plane.across;
-  if (!view.calibrated()) {
-    model.reason = Reason::no_calibration;
-    return;
-  }
-  const PlanePose pose = pose_of(found.plane, view);
+  if (!view.calibrated()) model.reason = Reason::no_calibration;
+  lay(found.plane, view, model);
+}
+
+void PlaneFloor::lay(const FloorPlane& plane, const StereoView& view, FloorModel& model) noexcept {
+  model.a = 1 / (16 * plane.down);
+  model.b = plane.horizon(view);
+  model.tilt = plane.across;
+  if (!view.calibrated()) return;
+  const PlanePose pose = pose_of(plane, view);
   model.pitch_rad = pose.pitch;
   model.roll_rad = pose.roll;
   model.height_m = pose.height;
@@ -206,14 +213,7 @@ bool PlaneFloor::hold(const Image& disparity, Reason why, FloorModel& model) noe
   if (!(age >= 0 && age <= config_.floor.hold)) return false;
   model = *last_;
   const StereoView view = stereo_view(disparity);
-  if (const auto plane = predicted(view)) {
-    const PlanePose pose = pose_of(*plane, view);
-    model.a = 1 / (16 * plane->down);
-    model.b = plane->horizon(view);
-    model.tilt = plane->across;
-    model.pitch_rad = pose.pitch;
-    model.roll_rad = pose.roll;
-  }
+  if (const auto plane = predicted(view)) lay(*plane, view, model);
   model.imu = gravity_.use();
   model.state = FloorState::held;
   model.reason = why;

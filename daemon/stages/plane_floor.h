@@ -35,6 +35,8 @@ class PlaneFloor final : public ImageProcessor {
   Reason blindness(const Image& disparity, const Image& left) const noexcept;
   bool find(const Image& disparity, FloorModel& model) noexcept;
   void describe(const StereoView& view, const PlaneSearch::Found& found, FloorModel& model) noexcept;
+  /// Of a model the plane, and its pose where metres are known.
+  static void lay(const FloorPlane& plane, const StereoView& view, FloorModel& model) noexcept;
   void steady(const Image& disparity, FloorModel& model) noexcept;
   /// What gravity says, beside what the floor says.
   void weigh(const FloorModel& before, double part, FloorModel& model) noexcept;

@@ -32,6 +32,7 @@ class PlaneSearch {
   /// Takes every few pixels of the disparity image that have a disparity above 0. Returns how many.
   size_t collect(const Image& disparity);
   size_t points() const { return n_; }
+  size_t most_points() const { return u_.size(); }
   /// u - cx, v - cy and true disparity of a point.
   std::array<double, 3> point(size_t i) const {
     return {static_cast<double>(u_[i]), static_cast<double>(v_[i]), static_cast<double>(d_[i])};

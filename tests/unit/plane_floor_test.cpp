@@ -280,6 +280,24 @@ TEST_F(PlaneFloorTest, a_wall_that_leads_down_along_the_way_is_no_ramp_to_the_lo
     for (double right = -0.5; right < 1; right += 0.25) EXPECT_EQ(risk(ahead, right), -1) << ahead << ", " << right;
 }
 
+// What the ground at the feet leans by fills most of the picture: a plane that leans with it would be 0.15 m off 2 m aside.
+TEST_F(PlaneFloorTest, a_bump_at_the_feet_does_not_bank_the_ground_ahead) {
+  for (const double lean : {-0.07, 0.07}) {
+    const Scene bump = ground(high, lean), flat = ground(high);
+    see([&](const Point& ray) {
+      const double z = bump(ray);
+      return z > 0 && horizontal(ray, pitch).z * z < 2.5 ? z : flat(ray);
+    });
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    EXPECT_NEAR(model().roll_rad, 0, 0.02) << lean;
+    map();
+    for (int row = 0; row < 50; ++row) {
+      for (int column = 0; column < 51; ++column) EXPECT_LT(ground_map[0]->at<int8_t>(row, column), 65) << row << ", " << column;
+    }
+  }
+}
+
 // Grazing ground is hardly matched: here in a strip of which one pixel a row is looked at.
 TEST_F(PlaneFloorTest, the_profile_falls_where_little_of_the_falling_ground_is_seen) {
   constexpr double edge = 2, fall = 0.18;
