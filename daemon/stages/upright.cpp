@@ -17,20 +17,20 @@ constexpr float lean_of_hidden = 1;                           // the same for wh
 constexpr float level_of_step = 0.5f;                         // of max_height: what ends no higher over the floor ends level with it
 constexpr float part_seen = 0.5f;                             // of max_height: what rises so much and hides its foot may be higher
 constexpr float part_risen_after = 0.7f, part_risen = 0.3f;   // of that part: when this many rows of it are seen it has risen by this
-constexpr float part_of_ditch = 0.6f;                         // of max_height: what is seen of the far wall
+constexpr float least_noted = 0.45f;                          // of max_height: what rises less is no part of a thing that hides its foot
+constexpr int least_columns = 3;                              // of what hides its foot
 constexpr size_t edge_samples = 4;
-constexpr size_t most_beside = 8;     // things in a column
-constexpr float floor_within = 1.5f;  // m behind the far side of a ditch
-constexpr float rough_slope = 0.15f;  // of that floor, in the mean
-constexpr int least_floor = 3;        // samples of it
-constexpr int most_gap = 1;           // samples without a disparity within one thing
-constexpr int same_thing = 6;         // 1/16 px around a sample
+constexpr size_t most_beside = 8;  // things in a column
+constexpr int most_gap = 1;        // samples without a disparity within one thing
+constexpr int same_thing = 6;      // 1/16 px around a sample
 
 }  // namespace
 
 float Upright::depth(const Sample& of, float leans) const { return leans * static_cast<float>(config_.limit.max_height) + noise(of); }
 
 float Upright::level() const { return level_of_step * static_cast<float>(config_.limit.max_height); }
+
+float Upright::rise_of(float px, const Sample& at) const { return px * scale_.rise * at.depth; }
 
 bool Upright::gap(const Sample& below, const Sample& above) const { return below.row - above.row > (most_gap + 1) * down_; }
 
@@ -49,10 +49,12 @@ void Upright::mark(const Image& disparity, const FloorModel& model, std::span<Im
   const Marks marks{disparity, *surfaces[0], *surfaces[1], *surfaces[2]};
   const CameraGeometry& g = disparity.camera;
   const float fb = g.f * g.baseline;
-  scale_ = {g.f, disparity_noise / fb, 1 / (g.f * static_cast<float>(model.height_m))};
+  const float high = static_cast<float>(model.height_m);
+  scale_ = {g.f, disparity_noise / fb, 1 / (g.f * high), high / fb, 0};
   const kernels::Search search = search_of(g, static_cast<int>(ranges_.size()));
   for (int column = search.least - search.first; column < search.columns; ++column)
     ranges_[static_cast<size_t>(column)] = range_of(fb / static_cast<float>(true_disparity(g, column)));
+  scale_.dents = dents(marks, search.first + static_cast<int>(16 * fb / static_cast<float>(config_.map.range)));
   gather(disparity);
   now_.clear();
   for (int number = 0; number < columns_; ++number) mark_column(marks, look(disparity, model, number), number * across_);
@@ -111,18 +113,6 @@ const Upright::Sample* Upright::edge_before(std::span<const Sample> samples, siz
   return nullptr;
 }
 
-bool Upright::floor_goes_on(std::span<const Sample> samples, size_t end) const noexcept {
-  const Sample& top = samples[end - 1];
-  const float reach = depth(top, lean);
-  int floor = 0;
-  for (size_t i = end; i < samples.size() && samples[i].ahead <= top.ahead + floor_within && !gap(samples[i - 1], samples[i]); ++i) {
-    const float on = samples[i].ahead - top.ahead;
-    if (std::abs(samples[i].up - top.up) > level() + rough_slope * on || samples[i].ahead < samples[i - 1].ahead - reach) return false;
-    if (++floor >= least_floor && on > 2 * reach) return true;
-  }
-  return false;
-}
-
 void Upright::mark_column(const Marks& marks, std::span<const Sample> samples, int column) noexcept {
   const float step = static_cast<float>(config_.limit.max_height), range = static_cast<float>(config_.map.range);
   std::swap(before_, now_);
@@ -148,15 +138,17 @@ void Upright::mark_column(const Marks& marks, std::span<const Sample> samples, i
     const Sample* edge = edge_before(samples, first);
     const size_t steep = run_from(samples, first, lean);
     const auto rises = [&](size_t to) { return samples[to - 1].up - foot; };
-    const auto level_with = [&](const Sample& one, const Sample& other) { return std::abs(one.up - other.up) <= level(); };
+    const Sample& top = samples[steep - 1];
     kernels::Surface is = kernels::Surface::obstacle;
-    if (edge && rises(steep) >= part_of_ditch * step && level_with(samples[steep - 1], *edge) && floor_goes_on(samples, steep)) {
+    const Hidden* same = edge ? beside(top) : nullptr;
+    if (edge && is_ditch(samples, first, steep, *edge, same)) {
       is = kernels::Surface::below;
       end = steep;
+      note(top, same, true);
     } else if (edge) {
-      // One column alone may be a false match.
-      if (rises(end) < step || !beside(samples[end - 1])) is = kernels::Surface::none;
-      if (rises(end) >= step && now_.size() < most_beside) now_.push_back(samples[end - 1].ahead);
+      // A few columns alone may be a false match.
+      if (rises(end) < step || !same || same->columns + 1 < least_columns) is = kernels::Surface::none;
+      if (rises(end) >= least_noted * step) note(top, same, false);
     } else if (rises(steep) < step) {
       ++first;
       continue;
@@ -170,8 +162,15 @@ void Upright::mark_column(const Marks& marks, std::span<const Sample> samples, i
   }
 }
 
-bool Upright::beside(const Sample& of) const {
-  return std::any_of(before_.begin(), before_.end(), [&](float ahead) { return std::abs(ahead - of.ahead) <= depth(of, lean_of_hidden); });
+const Upright::Hidden* Upright::beside(const Sample& top) const {
+  const auto at = std::find_if(before_.begin(), before_.end(), [&](const Hidden& h) {
+    return std::abs(h.ahead - top.ahead) <= depth(top, lean_of_hidden) && std::abs(h.up - top.up) <= level();
+  });
+  return at == before_.end() ? nullptr : &*at;
+}
+
+void Upright::note(const Sample& top, const Hidden* same, bool ditch) noexcept {
+  if (now_.size() < most_beside) now_.push_back({top.ahead, top.up, same ? same->columns + 1 : 1, ditch});
 }
 
 void Upright::mark_run(const Marks& marks, std::span<const Sample> run, kernels::Surface is, bool hidden, int column) const noexcept {

@@ -38,12 +38,15 @@ class Upright {
   /// Of a frame.
   struct Scale {
     float focal, noise, recedes;  // px; m of distance that disparities vary by, and that floor recedes by from row to row, at 1 m
+    float rise, dents;            // m that a px of disparity is in height, on floor at 1 m; m that dents of the floor may be deep
   };
   struct Marks {
     const Image &disparity, &height;
     Image &surface, &obstacles;
   };
   Range range_of(float depth) const;
+  /// How deep the dents of the floor nearer than that may be, by how uneven it is, m.
+  float dents(const Marks& marks, int least_disparity) const noexcept;
   /// Takes every `across`th column of every `down`th row, from below.
   void gather(const Image& disparity) noexcept;
   /// What an image column shows, from below.
@@ -51,6 +54,8 @@ class Upright {
   float noise(const Sample& of) const { return scale_.noise * of.depth * of.depth; }
   /// By how much the distance of a thing that stands there may vary, m.
   float depth(const Sample& of, float leans) const;
+  /// By how much something there seems to rise more where the disparity of its foot is so far off, m.
+  float rise_of(float px, const Sample& at) const;
   float level() const;  // m: what is no higher is level
   bool gap(const Sample& below, const Sample& above) const;
   /// The first sample that is not at the distance of this one any more.
@@ -59,8 +64,17 @@ class Upright {
   const Sample* edge_before(std::span<const Sample> samples, size_t first) const noexcept;
   /// Behind its top, level with it.
   bool floor_goes_on(std::span<const Sample> samples, size_t end) const noexcept;
-  /// The column before shows something at this distance as well.
-  bool beside(const Sample& of) const;
+  /// What hides its foot, at its top: in how many columns beside each other, and whether it is the far wall of a ditch.
+  struct Hidden {
+    float ahead, up;
+    int columns;
+    bool ditch;
+  };
+  /// The same in the column before; null where that shows none.
+  const Hidden* beside(const Sample& top) const;
+  void note(const Sample& top, const Hidden* same, bool ditch) noexcept;
+  /// What rises from `first` to `end` behind the edge is the far wall of a ditch.
+  bool is_ditch(std::span<const Sample> samples, size_t first, size_t end, const Sample& edge, const Hidden* same) const noexcept;
   void mark_column(const Marks& marks, std::span<const Sample> samples, int column) noexcept;
   void mark_run(const Marks& marks, std::span<const Sample> run, kernels::Surface is, bool hidden, int column) const noexcept;
 
@@ -68,7 +82,7 @@ class Upright {
   std::vector<int16_t> gathered_;  // by column and row
   std::vector<Range> ranges_;      // by column of a v-disparity
   std::vector<Sample> samples_;
-  std::vector<float> now_, before_;  // m ahead, of what hides its foot in this column and the one before
+  std::vector<Hidden> now_, before_;  // in this column and the one before
   Scale scale_{};
   int columns_ = 0, rows_ = 0;
   int across_ = 4, down_ = 4;  // px from sample to sample

@@ -252,6 +252,30 @@ TEST_F(PlaneFloorTest, what_rises_less_than_max_height_beyond_a_brow_is_unknown)
   for (double ahead = 2.45; ahead < 4.5; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead;
 }
 
+// Rough ground matched too far off looks like that, in a column or two of those looked at.
+TEST_F(PlaneFloorTest, what_hides_its_foot_is_an_obstacle_only_where_it_is_wider_than_two_columns) {
+  for (const double half : {0.028, 0.06}) {
+    see(with_wall_from(brow(2.3), 3.25, -0.5, 0.1, half));
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    EXPECT_EQ(risk(3.25, 0) >= 65, half > 0.05) << half;
+  }
+}
+
+// What is seen of a dent of rough ground whose foot is matched a px too far off, 0.13 m here.
+TEST_F(PlaneFloorTest, a_ditch_is_told_by_its_far_wall_only_where_that_rises_by_more_than_a_pixel_makes) {
+  for (const double far : {4.15, 4.75}) {
+    see(ditch(3.5, far));  // 0.15 and 0.29 m of the wall are seen, a px makes 0.13 to 0.15 m
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    int drop_offs = 0;
+    for (double ahead = 3.55; ahead < 4.5; ahead += 0.1) drop_offs += why(ahead, 0) == CellReason::drop_off;
+    EXPECT_EQ(drop_offs > 0, far > 4.5) << far;
+  }
+}
+
 TEST_F(PlaneFloorTest, a_ditch_is_a_drop_off_with_nothing_free_in_it_and_floor_behind) {
   for (double far : {2.95, 3.55}) {
     stage.reset();
@@ -278,6 +302,23 @@ TEST_F(PlaneFloorTest, a_wall_that_leads_down_along_the_way_is_no_ramp_to_the_lo
   map();
   for (double ahead = 3; ahead < 5; ahead += 0.1)
     for (double right = -0.5; right < 1; right += 0.25) EXPECT_EQ(risk(ahead, right), -1) << ahead << ", " << right;
+}
+
+// The far wall of a ditch wide and then narrow: 0.28 m of it are seen, and 0.12 m, which is less than max_height and a px make.
+TEST_F(PlaneFloorTest, a_far_wall_that_is_sure_in_one_column_goes_on_in_the_next) {
+  const Scene flat = ground(high);
+  see([&](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double z = flat(ray), ahead = h.z * z, near = h.x * z < -0.2 ? 1.6 : 1.87;
+    return z > 0 && ahead > near && ahead < 2.15 ? 2.15 / h.z : z;
+  });
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  for (double right = -0.5; right < 0.6; right += 0.1) {
+    int edge = 0;
+    for (double ahead = 1.55; ahead < 2.1; ahead += 0.1) edge += why(ahead, right) == CellReason::drop_off;
+    EXPECT_GT(edge, 0) << right;
+  }
 }
 
 // What the ground at the feet leans by fills most of the picture: a plane that leans with it would be 0.15 m off 2 m aside.
