@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "daemon/stages/occupancy.h"
 
@@ -15,10 +16,12 @@ constexpr int slope_cells = 5;                            // that the ground's s
 constexpr int hidden_cells = 4, least_hidden = 2;         // of a drop-off: cells looked at, and through which what is lower is seen
 constexpr int edge_beside = 2;                            // of a drop-off, in the next column: cells it may be nearer or farther there
 constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
+constexpr int most_between = 20, off_line = 2;            // cells: edges that are one, and how straight it is
 
 }  // namespace
 
-void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) const noexcept {
+void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept {
+  std::fill(edges_.begin(), edges_.end(), -1);
   const double cell = config_.map.cell, least = hole_of_step * config_.limit.max_height;
   for (int column = 0; column < columns_; ++column) {
     int last_floor = -1;
@@ -50,6 +53,7 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) con
       for (int r = row - edge_beside; r <= row + edge_beside; ++r)
         beside = beside || is_deep(r, column - 1, least) || is_deep(r, column + 1, least);
       if (deep < least_hidden || !beside) continue;
+      if (edges_[static_cast<size_t>(column)] < 0) edges_[static_cast<size_t>(column)] = last_floor - 1;
       // The ground ends somewhere between the last floor and what is seen through.
       for (int r = last_floor - 1; r > std::max(row - edge_cells, -1); --r) {
         uint8_t& edge_why = reason.row<uint8_t>(r)[column];
@@ -58,6 +62,34 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) con
         edge_why = static_cast<uint8_t>(CellReason::drop_off);
       }
       last_floor = -1;
+    }
+  }
+}
+
+/// Between two parts of an edge that are seen nothing may be matched, neither grazing ground nor what lies lower. Where the floor ends all
+/// along the line between them, and is seen nowhere behind it, that is the edge too.
+void Occupancy::join_edges(Image& occupancy, Image& reason) const noexcept {
+  const auto is = [&](int row, int column, CellReason why) { return reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(why); };
+  int before = -1;
+  for (int column = 0; column < columns_; ++column) {
+    const int here = edges_[static_cast<size_t>(column)];
+    if (here < 0) continue;
+    const int left = std::exchange(before, column), between = column - left - 1;
+    if (left < 0 || between < 1 || between > most_between) continue;
+    const int there = edges_[static_cast<size_t>(left)];
+    const auto on_line = [&](int c) { return there + (here - there) * (c - left) / (column - left); };
+    bool open = false;
+    for (int c = left + 1; c < column && !open; ++c) {
+      for (int r = std::max(on_line(c) - off_line - hidden_cells, 0); r < on_line(c) - off_line; ++r)
+        open = open || is(r, c, CellReason::floor);
+    }
+    for (int c = left + 1; c < column && !open; ++c) {
+      for (int r = std::max(on_line(c) - off_line, 0); r <= std::min(on_line(c) + off_line, rows_ - 2); ++r) {
+        if (!is(r + 1, c, CellReason::floor) || occupancy.row<int8_t>(r)[c] >= 0) continue;
+        occupancy.row<int8_t>(r)[c] = 100;
+        reason.row<uint8_t>(r)[c] = static_cast<uint8_t>(CellReason::drop_off);
+        break;
+      }
     }
   }
 }

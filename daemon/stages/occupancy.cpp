@@ -56,6 +56,7 @@ std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
   overhangs_ = obstacles_;
   beyond_.assign(obstacles_.size(), Beyond{});
   known_.assign(obstacles_.size(), 0);
+  edges_.assign(static_cast<size_t>(columns_), -1);
   island_.reserve(obstacles_.size());
   scratch_ = kernels::GroundScratch(in[0].width, static_cast<int>(disparities));
   const ImageSpec grid{Pixel::int8, 0, static_cast<uint16_t>(columns_), static_cast<uint16_t>(rows_)};
@@ -94,6 +95,7 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
   }
   shade(inputs, *out[0], *out[1]);
   drop_offs(inputs, *out[0], *out[1]);
+  join_edges(*out[0], *out[1]);
   islands(*out[0], *out[1]);
   return Outcome::valid;
 }

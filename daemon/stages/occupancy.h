@@ -58,7 +58,8 @@ class Occupancy final : public ImageProcessor {
   int seen(int row, int column) const noexcept;
   void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
-  void drop_offs(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
+  void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;
+  void join_edges(Image& occupancy, Image& reason) const noexcept;
   void islands(Image& occupancy, Image& reason) noexcept;
 
   Machine& machine_;
@@ -66,6 +67,7 @@ class Occupancy final : public ImageProcessor {
   kernels::GroundScratch scratch_;
   std::vector<int16_t> all_limit_, obstacles_, overhangs_;  // limit that everything is above; counts by cell
   std::vector<Beyond> beyond_;
+  std::vector<int> edges_;   // by column: the row where a drop-off begins, -1: none
   std::vector<int> island_;  // cells of one patch of floor
   std::vector<uint8_t> known_;
   int rows_ = 0, columns_ = 0;

@@ -321,6 +321,30 @@ TEST_F(PlaneFloorTest, a_far_wall_that_is_sure_in_one_column_goes_on_in_the_next
   }
 }
 
+// A kerb of which the lower ground is matched only at both sides: all along between them the floor ends and nothing is seen behind.
+TEST_F(PlaneFloorTest, an_edge_goes_on_between_its_parts_that_are_seen_and_not_where_floor_is_seen_behind) {
+  for (const bool floor_behind : {false, true}) {
+    const Scene flat = ground(high), low = ground(1.4);
+    see([&](const Point& ray) {
+      const Point h = horizontal(ray, pitch);
+      const double z = flat(ray), below = low(ray), right = h.x * z;
+      if (z == 0 || h.z * z < 2 || (floor_behind && std::abs(right) < 0.25)) return z;
+      return std::abs(right) > 0.5 ? below : 0;
+    });
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    const auto edge = [&](double right) {
+      int cells = 0;
+      for (double ahead = 1.95; ahead < 2.4; ahead += 0.1) cells += why(ahead, right) == CellReason::drop_off;
+      return cells > 0;
+    };
+    EXPECT_TRUE(edge(-0.7)) << floor_behind;
+    EXPECT_TRUE(edge(0.7)) << floor_behind;
+    for (double right = -0.4; right < 0.5; right += 0.1) EXPECT_EQ(edge(right), !floor_behind) << right;
+  }
+}
+
 // What the ground at the feet leans by fills most of the picture: a plane that leans with it would be 0.15 m off 2 m aside.
 TEST_F(PlaneFloorTest, a_bump_at_the_feet_does_not_bank_the_ground_ahead) {
   for (const double lean : {-0.07, 0.07}) {
