@@ -128,11 +128,12 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
             down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
   const double least = 16 * ((1 - depth_share) * box.d_far - depth_off + in.view.cx_offset);
   const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
-  const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
+  const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height), window = config_.image_source.corrsize / 2 + 1;
   for (int j = 0; j < down; ++j) {
     const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
     const int16_t *d = in.disparity.row<int16_t>(v), *height = in.height.row<int16_t>(v);
     const uint8_t *surface = in.surface.row<uint8_t>(v), *grey = in.left.row<uint8_t>(v);
+    const int16_t* over = in.disparity.row<int16_t>(std::max(v - window, 0));
     for (int i = 0; i < across; ++i) {
       const int u = static_cast<int>(left + (i + 0.5) * (right - left) / across);
       ++tally.all;
@@ -146,7 +147,12 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
       } else if (d[u] > most) {
         ++tally.nearer;
       } else if (what == kernels::Surface::floor && d[u] >= least && height[u] >= lowest) {
-        ++tally.floor;
+        // The window sees the floor below what has no texture itself: the sky behind a brow, the foot of a blank wall.
+        if (rejected_code(over[u]) == static_cast<uint8_t>(Rejected::low_texture)) {
+          ++tally.why[static_cast<size_t>(CellReason::no_texture)];
+        } else {
+          ++tally.floor;
+        }
       } else if (what == kernels::Surface::floor || what == kernels::Surface::below) {
         const double true_d = d[u] / 16.0 - in.view.cx_offset,
                      ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
@@ -219,29 +225,6 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   tally.why[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.beyond;
   const auto most = std::max_element(tally.why.begin(), tally.why.end());
   say(-1, static_cast<CellReason>(most - tally.why.begin()));
-}
-
-/// What looks like floor close behind an obstacle is its foot.
-void Occupancy::shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept {
-  const double reach = std::min(config_.limit.max_height / in.pose.height, 0.9);
-  const auto is = [&](int row, int column, CellReason why) { return reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(why); };
-  for (int row = 0; row < rows_; ++row) {
-    for (int column = 0; column < columns_; ++column) {
-      if (!is(row, column, CellReason::floor)) continue;
-      const double ahead = rows_ - row - 0.5, across = column + 0.5 - columns_ / 2.0;
-      const int steps = static_cast<int>(std::ceil(reach * ahead));
-      for (int step = 1; step <= steps; ++step) {
-        const double part = 1 - step / ahead;
-        const int r = rows_ - 1 - static_cast<int>(std::floor(ahead - step)),
-                  c = static_cast<int>(std::floor(across * part + columns_ / 2.0));
-        if (r >= rows_ || c < 0 || c >= columns_) break;
-        if (occupancy.row<int8_t>(r)[c] < occupied || !is(r, c, CellReason::obstacle)) continue;
-        occupancy.row<int8_t>(row)[column] = -1;
-        reason.row<uint8_t>(row)[column] = static_cast<uint8_t>(CellReason::occluded);
-        break;
-      }
-    }
-  }
 }
 
 }  // namespace vdisp

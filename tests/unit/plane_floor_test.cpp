@@ -93,6 +93,7 @@ struct PlaneFloorTest : testing::Test {
   std::unique_ptr<PlaneFloor> stage;
   std::vector<std::unique_ptr<Picture>> floor, over, ground_map;
   int64_t ms = 0;
+  Rejected nothing = Rejected::low_texture;  // why there is no disparity
 
   void SetUp() override {
     config.image_source.ndisp = 64;
@@ -112,7 +113,7 @@ struct PlaneFloorTest : testing::Test {
     disparity.fill<int16_t>([&](int v, int u) {
       const double z = scene({(u - view.cx) / view.f, (v - view.cy) / view.f, 1});
       const long d = z > 0 ? std::lround(16 * view.disparity(z)) : 0;
-      return d > 0 && d < 16 * 64 ? static_cast<int16_t>(d) : rejected(Rejected::low_texture);
+      return d > 0 && d < 16 * 64 ? static_cast<int16_t>(d) : rejected(nothing);
     });
   }
   Outcome find(int64_t at_ms = 0) {
@@ -228,7 +229,22 @@ TEST_F(PlaneFloorTest, what_stands_beyond_a_brow_is_an_obstacle_and_neither_floo
   for (double ahead = 3.4; ahead < 4.5; ahead += 0.1) EXPECT_EQ(risk(ahead, 0), -1) << ahead;
 }
 
+// Half a window of it is matched by the texture of the floor before it: the sky behind a brow, the foot of a blank wall.
+TEST_F(PlaneFloorTest, floor_that_ends_at_what_has_no_texture_is_free_only_up_to_half_a_window_before) {
+  for (const auto why_not : {Rejected::low_texture, Rejected::left_right}) {
+    nothing = why_not;
+    see(brow(2.6));
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    EXPECT_EQ(why(2.25, 0), CellReason::floor);
+    EXPECT_EQ(why(2.5, 0), why_not == Rejected::low_texture ? CellReason::no_texture : CellReason::floor);  // 3 rows before the end
+    EXPECT_EQ(risk(2.5, 0) < 0, why_not == Rejected::low_texture);
+  }
+}
+
 TEST_F(PlaneFloorTest, a_patch_of_floor_by_itself_is_told_only_where_it_is_large) {
+  nothing = Rejected::left_right;
   for (const double half : {0.08, 0.5}) {
     const Scene near = brow(2), flat = ground(high);
     see([&](const Point& ray) {
