@@ -17,7 +17,6 @@ constexpr float lean_of_hidden = 1;                           // the same for wh
 constexpr float level_of_step = 0.5f;                         // of max_height: what ends no higher over the floor ends level with it
 constexpr float part_seen = 0.5f;                             // of max_height: what rises so much and hides its foot may be higher
 constexpr float part_risen_after = 0.7f, part_risen = 0.3f;   // of that part: when this many rows of it are seen it has risen by this
-constexpr float least_noted = 0.45f;                          // of max_height: what rises less is no part of a thing that hides its foot
 constexpr int least_columns = 3;                              // of what hides its foot
 constexpr size_t edge_samples = 4;
 constexpr size_t most_beside = 8;  // things in a column
@@ -148,7 +147,7 @@ void Upright::mark_column(const Marks& marks, std::span<const Sample> samples, i
     } else if (edge) {
       // A few columns alone may be a false match.
       if (rises(end) < step || !same || same->columns + 1 < least_columns) is = kernels::Surface::none;
-      if (rises(end) >= least_noted * step) note(top, same, false);
+      if (rises(end) >= step) note(top, same, false);
     } else if (rises(steep) < step) {
       ++first;
       continue;
