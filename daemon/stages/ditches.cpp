@@ -17,18 +17,20 @@ constexpr float floor_within = 1.5f;                 // m behind the far side of
 constexpr float rough_slope = 0.15f;                 // of that floor, in the mean
 constexpr int least_floor = 3;                       // samples of it
 
+constexpr int sparse = 8;  // samples of the floor, of those that upright things are looked for in
+
 }  // namespace
 
 float Upright::dents(const Marks& marks, int least_disparity) const noexcept {
   // Feet of what stands on the floor, and walls below its edge, are a smaller part than half of what is as high as floor.
   std::array<int, 256> of_height{};  // mm
   int count = 0;
-  for (int v = down_ / 2; v < marks.disparity.spec.height; v += 4 * down_) {
+  const int most = static_cast<int>(1000 * config_.limit.max_height);
+  for (int v = down_ / 2; v < marks.disparity.spec.height; v += sparse * down_) {
     const int16_t *d = marks.disparity.row<int16_t>(v), *height = marks.height.row<int16_t>(v);
-    const uint8_t* surface = marks.surface.row<uint8_t>(v);
-    for (int u = across_ / 2; u < marks.disparity.spec.width; u += 4 * across_) {
-      if (surface[u] != static_cast<uint8_t>(kernels::Surface::floor) || d[u] < least_disparity) continue;
-      ++of_height[static_cast<size_t>(std::min(std::abs(static_cast<int>(height[u])), 255))];
+    for (int u = across_ / 2; u < marks.disparity.spec.width; u += sparse * across_) {
+      if (d[u] < least_disparity || std::abs(height[u]) > most) continue;
+      ++of_height[static_cast<size_t>(std::min(std::abs(height[u]), 255))];
       ++count;
     }
   }

@@ -15,6 +15,7 @@ constexpr double disparity_noise = 0.35;  // px
 constexpr float most_counted = 8;         // points of a distance: more say nothing new
 constexpr float least_shown = 1;          // points that show that the floor is there: falling ground is grazing, and hardly matched
 constexpr float unlikely = 1e6f;
+constexpr size_t bank_step = 2;  // points, of which one tells how the ground is banked
 // A floor recedes from row to row, least where it rises as steeply as it may, and what falls recedes faster than the plane.
 constexpr int recede_rows = 8;          // of 480, up and down
 constexpr double least_receding = 0.5;  // of what it should by
@@ -66,7 +67,7 @@ void FloorProfile::count(const PlaneSearch& points, const Image& disparity, cons
     const bool upright = (near > 0 && row + rows <= bottom && near - here < least) || (far > 0 && row >= rows && here - far < least);
     if (upright) continue;
     seen_[cell(bin, static_cast<int>(level))] += 1;
-    if (ground_.size() < ground_.capacity())
+    if (i % bank_step == 0 && ground_.size() < ground_.capacity())
       ground_.push_back({bin, static_cast<float>((u * cos_roll - v * sin_roll) * z / view.f), static_cast<float>(height)});
   }
 }

@@ -34,6 +34,8 @@ CellReason reason_of(uint8_t code) {
   return CellReason::rejected;
 }
 
+bool is_untextured(int16_t disparity) { return rejected_code(disparity) == static_cast<uint8_t>(Rejected::low_texture); }
+
 }  // namespace
 
 std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
@@ -128,12 +130,11 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
             down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
   const double least = 16 * ((1 - depth_share) * box.d_far - depth_off + in.view.cx_offset);
   const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
-  const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height), window = config_.image_source.corrsize / 2 + 1;
+  const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
   for (int j = 0; j < down; ++j) {
     const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
     const int16_t *d = in.disparity.row<int16_t>(v), *height = in.height.row<int16_t>(v);
     const uint8_t *surface = in.surface.row<uint8_t>(v), *grey = in.left.row<uint8_t>(v);
-    const int16_t* over = in.disparity.row<int16_t>(std::max(v - window, 0));
     for (int i = 0; i < across; ++i) {
       const int u = static_cast<int>(left + (i + 0.5) * (right - left) / across);
       ++tally.all;
@@ -147,12 +148,7 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
       } else if (d[u] > most) {
         ++tally.nearer;
       } else if (what == kernels::Surface::floor && d[u] >= least && height[u] >= lowest) {
-        // The window sees the floor below what has no texture itself: the sky behind a brow, the foot of a blank wall.
-        if (rejected_code(over[u]) == static_cast<uint8_t>(Rejected::low_texture)) {
-          ++tally.why[static_cast<size_t>(CellReason::no_texture)];
-        } else {
-          ++tally.floor;
-        }
+        ++tally.floor;
       } else if (what == kernels::Surface::floor || what == kernels::Surface::below) {
         const double true_d = d[u] / 16.0 - in.view.cx_offset,
                      ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
@@ -165,6 +161,15 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
       }
     }
   }
+  if (tally.floor == 0) return;
+  // The window sees the floor below what has no texture itself: the sky behind a brow, the foot of a blank wall.
+  const int16_t* over =
+      in.disparity.row<int16_t>(std::max(static_cast<int>((top + bottom) / 2) - config_.image_source.corrsize / 2 - 1, 0));
+  int untextured = 0;
+  for (const double part : {0.2, 0.5, 0.8}) untextured += is_untextured(over[static_cast<int>(left + part * (right - left))]);
+  if (untextured < 2) return;
+  tally.why[static_cast<size_t>(CellReason::no_texture)] += tally.floor;
+  tally.floor = 0;
 }
 
 /// Of the least object what lies inside the part of the picture that can be matched.
