@@ -32,7 +32,7 @@ struct Trained {
   Winnow winnow;
   double initial = 0;              ///< weight of a new link, as it was
   double sensitivity = 0;          ///< part of theta; (first - second) / theta + sensitivity > 0 is the first class
-  double clear = 1;                ///< above 0, part of theta: what difference + sensitivity is for half of what it calls the first class
+  double clear = 1;                ///< above 0, part of theta: difference of half of those of the first class that look so
   double auc = 0;                  ///< on recordings held apart; NaN: there were none
   uint64_t first = 0, second = 0;  ///< examples trained with: free and obstacle, or left and right
   uint32_t passes[2] = {};         ///< that were run, for each target

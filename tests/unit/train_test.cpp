@@ -196,14 +196,13 @@ TEST(Verdicts, a_difference_of_zero_is_the_second_class) {
   EXPECT_EQ(direction_verdict(judgement, 0).confusion.rejections, 1u);  // right is
 }
 
-TEST(Verdicts, clear_is_the_middle_of_what_free_pairs_are_over_the_border) {
+TEST(Verdicts, clear_is_the_middle_of_the_free_pairs_that_look_free) {
   Judgement judgement;
   for (int i = 0; i < 101; ++i) judgement.obstacle.push_back({0.5 - 0.01 * i, false});  // differences -0.5 to 0.5
   for (int i = 0; i < 50; ++i) judgement.obstacle.push_back({-3, true});
-  EXPECT_NEAR(clear_of(judgement, 0), 0.26, 1e-9) << "of 0.01 to 0.5";
-  EXPECT_NEAR(clear_of(judgement, 0.105), 0.305, 1e-9) << "of 0.005 to 0.605";
-  EXPECT_EQ(clear_of(judgement, -2), 1) << "no pair is free";
-  EXPECT_EQ(clear_of({}, 0), 1);
+  EXPECT_NEAR(clear_of(judgement), 0.26, 1e-9) << "of 0.01 to 0.5";
+  EXPECT_EQ(clear_of({{{0.1, false}, {-3, true}}, {}}), 1) << "no free pair looks so";
+  EXPECT_EQ(clear_of({}), 1);
 }
 
 TEST(Plots, are_the_same_each_time_and_hold_text_as_it_is) {

@@ -56,13 +56,13 @@ Verdict obstacle_verdict(const Judgement& judgement, double sensitivity) {
 }
 double obstacle_sensitivity_of(const snow::RocPoint& point) { return point.threshold; }
 
-double clear_of(const Judgement& judgement, double sensitivity) {
-  std::vector<double> over;
+double clear_of(const Judgement& judgement) {
+  std::vector<double> free;
   for (const snow::Judged& one : judgement.obstacle)
-    if (!one.positive && sensitivity - one.score > 0) over.push_back(sensitivity - one.score);
-  if (over.empty()) return 1;
-  const auto middle = over.begin() + static_cast<std::ptrdiff_t>(over.size() / 2);
-  std::nth_element(over.begin(), middle, over.end());
+    if (!one.positive && one.score < 0) free.push_back(-one.score);
+  if (free.empty()) return 1;
+  const auto middle = free.begin() + static_cast<std::ptrdiff_t>(free.size() / 2);
+  std::nth_element(free.begin(), middle, free.end());
   return *middle;
 }
 

@@ -27,9 +27,9 @@ Verdict direction_verdict(const Judgement& judgement, double sensitivity);
 double obstacle_sensitivity_of(const snow::RocPoint& point);
 double direction_sensitivity_of(const snow::RocPoint& point);
 
-/// snow::Trained::clear of the obstacle classifier: the median of difference + sensitivity of the free pairs that it calls free; 1 where it
-/// calls none so. The median, as a few of the clearest would make all others slow.
-double clear_of(const Judgement& judgement, double sensitivity);
+/// snow::Trained::clear of the obstacle classifier: the median difference of the free pairs that look more free than blocked; 1 where none
+/// does. The median, as a few of the clearest would make all others slow; whatever the sensitivity, as who is careful is not to be faster.
+double clear_of(const Judgement& judgement);
 
 /// For people: lines of text. Where a class is missing they say which.
 std::string text_of(const Verdict& verdict);

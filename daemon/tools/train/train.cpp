@@ -84,7 +84,7 @@ Judged judged(const Drives& drives, const FeatureTable& table, const Job& job, C
     free = obstacle_sensitivity_of(snow::point_of_detection(curve, *options.detection));
   Judged result{std::string(name(job.encoding)), obstacle_verdict(judgement, free),
                 direction_verdict(judgement, plan.direction_sensitivity)};
-  found.obstacle.trained.clear = clear_of(judgement, free);
+  found.obstacle.trained.clear = clear_of(judgement);
   found.obstacle.trained.sensitivity = free, found.direction.trained.sensitivity = plan.direction_sensitivity;
   found.obstacle.trained.auc = result.obstacle.auc, found.direction.trained.auc = result.direction.auc;
   return result;
