@@ -16,6 +16,7 @@ constexpr int slope_cells = 5;                            // that the ground's s
 constexpr int hidden_cells = 4, least_hidden = 2;         // of a drop-off: cells looked at, and through which what is lower is seen
 constexpr int edge_beside = 2;                            // of a drop-off, in the next column: cells it may be nearer or farther there
 constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
+constexpr int beside_lone = 4;                            // cells: as far off is the same edge in the next column
 constexpr int most_between = 20, off_line = 2;            // cells: edges that are one, and how straight it is
 
 }  // namespace
@@ -90,6 +91,29 @@ void Occupancy::join_edges(Image& occupancy, Image& reason) const noexcept {
         reason.row<uint8_t>(r)[c] = static_cast<uint8_t>(CellReason::drop_off);
         break;
       }
+    }
+  }
+}
+
+/// An edge that is told in one column alone, and in none of the two to each side of it, is a false match: narrower than a wheel, and the
+/// rover would stop for it. What is there is unknown.
+void Occupancy::refuse_lone_edges(Image& occupancy, Image& reason) const noexcept {
+  constexpr auto drop_off = static_cast<uint8_t>(CellReason::drop_off);
+  const auto in_column = [&](int row, int column) {
+    if (column < 0 || column >= columns_) return false;
+    for (int r = std::max(row - beside_lone, 0); r <= std::min(row + beside_lone, rows_ - 1); ++r)
+      if (reason.row<uint8_t>(r)[column] == drop_off) return true;
+    return false;
+  };
+  const auto beside = [&](int row, int column) {
+    return in_column(row, column - 1) || in_column(row, column + 1) || in_column(row, column - 2) || in_column(row, column + 2);
+  };
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      uint8_t& why = reason.row<uint8_t>(row)[column];
+      if (why != drop_off || beside(row, column)) continue;
+      occupancy.row<int8_t>(row)[column] = -1;
+      why = static_cast<uint8_t>(CellReason::rejected);
     }
   }
 }

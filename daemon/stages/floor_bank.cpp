@@ -10,8 +10,8 @@ namespace vdisp {
 namespace {
 
 constexpr float limits[] = {1.0f, 0.75f, 0.5f};  // of max_height, round by round: so far off its distance's ground a point is none of it
-constexpr float most_counted = 8;                // points of a distance
-constexpr float no_bank = 5;                     // points, 1 m aside, that say so
+constexpr float most_counted = 15;               // points of a distance
+constexpr float no_bank = 10;                    // points, 1 m aside, that say so
 constexpr double most = 0.1;                     // m per m: what is more is no error of a plane
 
 }  // namespace

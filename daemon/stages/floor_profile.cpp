@@ -15,7 +15,7 @@ constexpr double disparity_noise = 0.35;  // px
 constexpr float most_counted = 8;         // points of a distance: more say nothing new
 constexpr float least_shown = 1;          // points that show that the floor is there: falling ground is grazing, and hardly matched
 constexpr float unlikely = 1e6f;
-constexpr size_t bank_step = 4;  // points, of which one tells how the ground is banked
+constexpr size_t bank_step = 2;  // points, of which one tells how the ground is banked
 // A floor recedes from row to row, least where it rises as steeply as it may, and what falls recedes faster than the plane.
 constexpr int recede_rows = 8;          // of 480, up and down
 constexpr double least_receding = 0.5;  // of what it should by

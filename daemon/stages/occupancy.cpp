@@ -98,6 +98,7 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
   shade(inputs, *out[0], *out[1]);
   drop_offs(inputs, *out[0], *out[1]);
   join_edges(*out[0], *out[1]);
+  refuse_lone_edges(*out[0], *out[1]);
   islands(*out[0], *out[1]);
   return Outcome::valid;
 }

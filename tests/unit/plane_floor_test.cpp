@@ -426,6 +426,21 @@ TEST_F(PlaneFloorTest, one_column_of_what_is_lower_is_no_drop_off) {
   ASSERT_EQ(find(), Outcome::valid);
   map();
   EXPECT_GT(drop_offs(), 5);
+  // Something lower in the next columns too, but in a cell alone, which is no edge.
+  for (const double end : {2.34, 2.38, 2.42, 2.46, 2.5}) {
+    see([end](const Point& ray) {
+      const Point h = horizontal(ray, pitch);
+      const double z = ground(high)(ray), ahead = h.z * z, half = ahead < end ? 0.15 : 0.05;
+      return z > 0 && ahead > 2.3 && ahead < 3.2 && std::abs(h.x * z) < half ? 1.6 * z : z;
+    });
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    std::vector<int> columns;
+    for (int column = 0; column < 51; ++column)
+      for (int row = 0; row < 50; ++row)
+        if (ground_map[1]->at<uint8_t>(row, column) == static_cast<uint8_t>(CellReason::drop_off)) columns.push_back(column);
+    EXPECT_TRUE(columns.empty() || columns.front() < columns.back()) << end << ": in one column";
+  }
 }
 
 TEST_F(PlaneFloorTest, the_same_object_counts_the_same_near_and_far) {
