@@ -56,6 +56,7 @@ class Daemon:
         self.empty = self.work / "defaults.cfg"  # so that no installed vdisp.cfg has a say
         self.empty.write_text("")
         self.memo = {}
+        self.first = None  # seed of the sections kinds... and drive
         self.kinds, self.sets = None, {}  # kinds of scenes asked for (None: all), and parameters for them
         self.peers = self.binary.parent / "vdisp-peers"
         self.model = None  # of the snow detector; None: vdisparity drives

@@ -26,11 +26,11 @@ COLOURS = {"wall": (60, 60, 60), "box": (150, 120, 70), "beam": (190, 170, 120),
            "glass": (230, 190, 90)}
 
 
-def world_sets(scene, number, pitch, glass=False):
-    """Parameters of the number-th unseen world of a scene."""
+def world_sets(scene, number, pitch, glass=False, first=FIRST_SEED):
+    """Parameters of the number-th world of a scene, of those with every second seed from `first` on; from FIRST_SEED on they are unseen."""
     light, gain, noise, shadow = LIGHTS[number % len(LIGHTS)]
     light = light if scene == "office" else min(light, BRIGHT)
-    return {**CAMERA, "sim.scene": scene, "sim.seed": FIRST_SEED + 2 * number, "sim.rate": RATE, "sim.pitch": pitch, "sim.light": light,
+    return {**CAMERA, "sim.scene": scene, "sim.seed": first + 2 * number, "sim.rate": RATE, "sim.pitch": pitch, "sim.light": light,
             "sim.gain": gain, "sim.noise": noise, "sim.shadow": shadow, "sim.odometry": "yes", "sim.glass": "yes" if glass else "no",
             "Limit obstacle.angRot": pitch, "sim.drive": "command"}
 
@@ -115,7 +115,8 @@ def detector_sets(model):
 
 
 def drive_table(daemon, section, folder, title, worlds, minutes, more=None, **what):
-    runs = [(f"{folder}/{scene}-{FIRST_SEED + 2 * n}", {**world_sets(scene, n, **what), **(more or {})}, minutes) for scene, n in worlds]
+    first = daemon.first or FIRST_SEED
+    runs = [(f"{folder}/{scene}-{first + 2 * n}", {**world_sets(scene, n, first=first, **what), **(more or {})}, minutes) for scene, n in worlds]
     rows = daemon.each(title, runs, lambda run: drive(daemon, *run))
     section.table(COLUMNS, rows + [total(rows)], title)
     for name, sets, _ in runs:
@@ -137,7 +138,7 @@ def drive_section(daemon, section):
     section.gate("no collision without glass", sums["collisions"] == 0, sums["collisions"], "0")
     section.gate("metres travelled", sums["metres"] >= needed, f"{sums['metres']:.0f}", f"{needed:.0f} in {sums['minutes']:.0f} minutes")
     scene, number = worlds[0]
-    again = drive(daemon, "again", {**world_sets(scene, number, down), **detector}, minutes)
+    again = drive(daemon, "again", {**world_sets(scene, number, down, first=daemon.first or FIRST_SEED), **detector}, minutes)
     section.gate("the same seed gives the same track, byte for byte", again["digest"] == rows[0]["digest"], again["digest"][:12],
                  rows[0]["digest"][:12])
     if not daemon.quick:

@@ -36,6 +36,11 @@ KINDS = {
 }
 
 
+def seeds_of(daemon):
+    first = daemon.first or 1
+    return range(first, first + (8 if daemon.quick else SEEDS))
+
+
 def chosen(daemon):
     return [name for name in KINDS if not daemon.kinds or name in daemon.kinds]
 
@@ -139,7 +144,7 @@ COLUMNS = [("kind", ""), ("from", ""), ("frames", "d"), ("floor found", ".3f"), 
 
 
 def obstacle_section(daemon, section):
-    seeds, rows = range(1, 1 + (8 if daemon.quick else SEEDS)), []
+    seeds, rows = seeds_of(daemon), []
     for kind in chosen(daemon):
         _, frames, _ = KINDS[kind]
         runs = [(f"kinds/{kind}/{s}", parameters(daemon, kind, s), frames) for s in seeds]
@@ -168,7 +173,7 @@ def judge(section, row):
 
 def free_section(daemon, section):
     """Scene `empty` on the ground of each kind that has obstacles only because of its scene."""
-    seeds, frames, rows = range(1, 1 + (8 if daemon.quick else SEEDS)), 4 if daemon.quick else 20, []
+    seeds, frames, rows = seeds_of(daemon), 4 if daemon.quick else 20, []
     for kind in chosen(daemon):
         if "sim.scene" in KINDS[kind][0] or kind in ("kerb", "ditch"):
             continue
@@ -198,7 +203,7 @@ def free_section(daemon, section):
 
 
 def blind_section(daemon, section):
-    seeds, begin, frames, rows = range(1, 1 + (8 if daemon.quick else SEEDS)), 4, 10, []
+    seeds, begin, frames, rows = seeds_of(daemon), 4, 10, []
     cases = {event: {"sim.scene": "flat", "sim.event": event, "sim.eventFrame": begin} for event in ("cap", "dark", "bright", "blank")}
     cases["wall"] = {"sim.scene": "wall"}
     for name, sets in cases.items():

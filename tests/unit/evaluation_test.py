@@ -6,13 +6,14 @@ import pathlib
 import re
 import sys
 import tempfile
+import types
 import unittest
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
 try:
     import numpy as np
-    from evaluation import approach, drive, map_pictures, peer_maps, recorded, snow
+    from evaluation import approach, drive, kinds, map_pictures, peer_maps, recorded, snow
     from evaluation.daemon import Daemon
     from evaluation.report import Section
 except ImportError as missing:
@@ -101,6 +102,13 @@ class Ways(unittest.TestCase):
     def test_test_worlds_have_odd_seeds(self):
         seeds = {drive.world_sets(scene, n, 0.3)["sim.seed"] % 2 for scene in drive.SCENES for n in range(12)}
         self.assertEqual(seeds, {1})
+
+    def test_other_seeds_can_be_asked_for(self):
+        self.assertEqual([drive.world_sets("office", n, 0.3, first=902)["sim.seed"] for n in range(3)], [902, 904, 906])
+        asked = types.SimpleNamespace(first=301, quick=True)
+        self.assertEqual(list(kinds.seeds_of(asked)), list(range(301, 309)))
+        asked.first = None
+        self.assertEqual(list(kinds.seeds_of(asked)), list(range(1, 9)))
 
     def test_light_is_from_dim_to_glaring(self):
         lights = {drive.world_sets(scene, n, 0.3)["sim.light"] for scene in drive.SCENES for n in range(4)}
