@@ -51,7 +51,7 @@ std::vector<std::string> command_text(const DriveCommand& c) {
                                  std::string("by          ") + decider_words(c.decider),
                                  std::string("decision    ") + steering_words(c.steering)};
   if (c.valid_until_ns) lines.push_back("until       " + std::to_string(c.valid_until_ns / 1'000'000) + " ms of the monotonic clock");
-  if (c.slowed) lines.push_back("slowed      the detectors disagree");
+  if (c.slowed) lines.push_back("slowed      the detectors disagree, or one decided alone");
   return lines;
 }
 

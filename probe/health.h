@@ -14,7 +14,7 @@ nlohmann::ordered_json health_json(const Health& health);
 /// What was lost, a line for each kind that lost anything, and one for latency and deadline.
 std::string health_words(const Health& health);
 
-/// What is recorded, what the flight recorder holds, wrote and lost; null members where there is no flight recorder.
+/// What is recorded, what the flight recorder holds, wrote and lost; `flight` is null where there is no flight recorder.
 nlohmann::ordered_json recorder_json(const RecorderStatus& recorder);
 /// A line where the flight recorder lost steps or folders, else nothing.
 std::string recorder_words(const RecorderStatus& recorder);

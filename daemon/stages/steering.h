@@ -20,8 +20,8 @@ struct Way {
 ///
 /// More than figure 10: a turn that begins within `hold` of the last one goes the same way, or a corner would never be left. And a turn
 /// ends only where the way is `clear_enough`: ended at the first view that is just free, it would creep on and turn again a step later.
-/// What is enough becomes less the longer it turns, down to any free way after `patience_s`, about half a circle: in a narrow place there
-/// is no better.
+/// What is enough becomes less the longer the turn lasts, blind frames included, down to any free way after `patience_s`, half a circle at
+/// the default rate: in a narrow place there is no better.
 class SteeringMachine {
  public:
   static constexpr double patience_s = 4;

@@ -48,7 +48,7 @@ struct DriveCommand {
   double speed, turn_rate;  ///< m/s ahead, rad/s to the left
   Steering steering;        ///< of the decision, also where the operator overrides it
   Decider decider;          ///< operator_order: in/drive won
-  uint32_t slowed;          ///< 1: the detectors disagree, so slower than the decision alone would be
+  uint32_t slowed;          ///< 1: the detectors disagree, or one decided alone, so slower than the decision would be
   uint32_t unused;
   int64_t valid_until_ns;  ///< CLOCK_MONOTONIC: stop then, whatever the timeout (the operator's dead-man); 0: no end of its own
 };

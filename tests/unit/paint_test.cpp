@@ -368,7 +368,7 @@ TEST(Readout, what_is_decided_is_said_in_words) {
   command.speed = 0.15;
   command.slowed = 1;
   EXPECT_EQ(record_text(driven.loan()).at(0), "speed       0.150 m/s");
-  EXPECT_EQ(record_text(driven.loan()).back(), "slowed      the detectors disagree");
+  EXPECT_EQ(record_text(driven.loan()).back(), "slowed      the detectors disagree, or one decided alone");
   command.slowed = 0;
   command.valid_until_ns = 7'300'000'000;
   EXPECT_EQ(record_text(driven.loan()).back(), "until       7300 ms of the monotonic clock");
