@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "daemon/geometry/floor_plane.h"
 #include "daemon/stages/local_floor.h"
@@ -12,9 +13,12 @@
 namespace vdisp {
 namespace {
 
-constexpr double slope_over = 0.5;    // m: of the ground last seen
-constexpr float hidden = -1e4f;       // px: no floor there
-constexpr uint64_t held_frames = 30;  // a floor not seen for longer is not expected any more
+constexpr double slope_over = 0.5;          // m: of the ground last seen
+constexpr float hidden = -1e4f;             // px: no floor there
+constexpr uint64_t held_frames = 30;        // a floor not seen for longer is not expected any more
+constexpr double most_turn = 0.06;          // rad from one frame to the next: what turns faster is another floor
+constexpr int64_t longest_ns = 70'000'000;  // from frame to frame: a rover that nods twice a second turns back in 80 ms, or may
+constexpr int64_t most_ahead = 2;           // times as long as the turn was measured over
 
 }  // namespace
 
@@ -34,17 +38,36 @@ int ExpectedFloor::first_row(int width) const {
 
 std::optional<ExpectedFloor> FloorExpectation::expect(const Image& view, const FloorModel* last) noexcept {
   const std::optional<ExpectedFloor> mounted = from_mounting(view);
+  const double turned = turn(view, last);
   if (last && last->state != FloorState::lost && last->a > 0 && !(mounted && contradicts(*last))) {
     const double slope = 1 / (16 * last->a), roll = std::isnan(last->roll_rad) ? config_.mounting.roll : last->roll_rad;
     last_found_ = ExpectedFloor{slope, last->b, slope * std::tan(roll), static_cast<double>(view.camera.cx),
                                 static_cast<double>(view.camera.cx_offset)};
-    if (last->profile_count > 1) bend(view, *last, *last_found_);
+    if (turned != 0) {
+      const double pitch = last->pitch_rad + turned, faces = std::cos(pitch) / std::cos(last->pitch_rad);
+      last_found_->row0 -= static_cast<double>(view.camera.f) * (std::tan(pitch) - std::tan(last->pitch_rad));
+      last_found_->slope *= faces;
+      last_found_->tilt *= faces;
+    }
+    if (last->profile_count > 1) bend(view, *last, last->pitch_rad + turned, *last_found_);
     last_sequence_ = view.sequence;
     return last_found_;
   }
   if (mounted) return mounted;
   if (last_found_ && view.sequence - last_sequence_ <= held_frames) return last_found_;
   return std::nullopt;
+}
+
+/// By how much the camera pitches until this frame, if it goes on as from the last floor but one to the last, rad. A rover that bumps along
+/// at 30 frames a second pitches by a degree or two from one to the next: far ahead, more than half a window.
+double FloorExpectation::turn(const Image& view, const FloorModel* last) noexcept {
+  if (view.timestamp_ns == pitched_.frame_ns) return 0;  // a second look
+  const double pitch = last && last->state == FloorState::found ? last->pitch_rad : NAN;
+  const Pitched before = std::exchange(pitched_, {view.timestamp_ns, pitched_.frame_ns, pitch});
+  const int64_t since = view.timestamp_ns - before.frame_ns, then = before.frame_ns - before.floor_ns;
+  if (since <= 0 || since > longest_ns || since > most_ahead * then || then > longest_ns || !(std::abs(pitch - before.pitch) < most_turn))
+    return 0;
+  return std::clamp((pitch - before.pitch) * static_cast<double>(since) / static_cast<double>(then), -most_turn, most_turn);
 }
 
 bool FloorExpectation::doubtful(const Image& view) noexcept {
@@ -66,14 +89,14 @@ bool FloorExpectation::contradicts(const FloorModel& last) const noexcept {
 
 /// From row to row upwards, along the profile; where what lies ahead is hidden by a crest, on to what is seen behind it. Beyond what was
 /// seen the ground is expected to rise or fall on as it did: where it does not, nothing will match so.
-void FloorExpectation::bend(const Image& view, const FloorModel& last, ExpectedFloor& floor) noexcept {
+void FloorExpectation::bend(const Image& view, const FloorModel& last, double pitch, ExpectedFloor& floor) noexcept {
   struct Knot {
     double row, disparity;
   };
   const StereoView stereo = stereo_view(view);
   const LocalFloor local(last, stereo);
   const auto see = [&](double ahead, double elevation) {
-    const Point p = camera({0, last.height_m - elevation, ahead}, last.pitch_rad);
+    const Point p = camera({0, last.height_m - elevation, ahead}, pitch);
     const double z = std::max(p.z, 0.01);
     return Knot{stereo.cy + stereo.f * p.y / z, stereo.f * stereo.baseline / z};
   };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -43,15 +44,24 @@ class FloorExpectation {
   void forget() noexcept {
     last_found_.reset();
     doubted_.reset();
+    pitched_ = {};
   }
 
  private:
   std::optional<ExpectedFloor> from_mounting(const Image& view) const noexcept;
   bool contradicts(const FloorModel& last) const noexcept;
-  void bend(const Image& view, const FloorModel& last, ExpectedFloor& floor) noexcept;
+  double turn(const Image& view, const FloorModel* last) noexcept;
+  void bend(const Image& view, const FloorModel& last, double pitch, ExpectedFloor& floor) noexcept;
+
+  /// Of the frame before: its time, and the pitch of the floor of the one before that; NaN: there was none, or it was not found.
+  struct Pitched {
+    int64_t frame_ns = 0, floor_ns = 0;
+    double pitch = NAN;
+  };
 
   const Config& config_;
   std::vector<float> bent_;
+  Pitched pitched_;
   std::optional<ExpectedFloor> last_found_;
   uint64_t last_sequence_ = 0;
   std::optional<uint64_t> doubted_;  // sequence

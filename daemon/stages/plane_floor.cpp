@@ -15,6 +15,7 @@ constexpr int dark = 14, bright = 250;    // grey levels
 constexpr double most_bright = 0.7;       // share of the pixels
 constexpr double least_matched = 0.01;    // share of the pixels with a disparity
 constexpr double most_untextured = 0.97;  // share of the pixels refused for it
+constexpr double least_bank = 0.01;       // m per m: 3 cm at the border of a map 5 m wide
 constexpr double good_points = 300;       // on the floor, of some 8000 looked at in 640x480
 constexpr int trusted_from = 10;          // frames that agreed with [mounting]
 constexpr double trusted_s = 30;          // without a floor
@@ -115,9 +116,12 @@ bool PlaneFloor::find(const Image& disparity, FloorModel& model) noexcept {
   describe(view, *found, model);
   if (profiles_ && view.calibrated()) {
     profile_.measure(search_, disparity, model);
+    const double bank = profile_.bank(model);
     FloorPlane plane = found->plane;
-    plane.across += profile_.bank(model) * view.baseline / model.height_m;
+    plane.across += bank * view.baseline / model.height_m;
     lay(plane, view, model);
+    // Of ground that leaned the profile is that of its low side.
+    if (std::abs(bank) > least_bank) profile_.measure(search_, disparity, model);
   }
   steady(disparity, model);
   if (!std::isnan(model.height_m)) gravity_.found(normal_of(model.pitch_rad, model.roll_rad));

@@ -221,6 +221,35 @@ TEST_F(ExpectedFloorTest, a_floor_that_was_lost_is_expected_for_30_frames) {
   EXPECT_FALSE(expectation.expect(view.image(), nullptr));
 }
 
+// 30 frames a second, a degree and a half more from each to the next.
+TEST_F(ExpectedFloorTest, a_camera_that_pitches_is_expected_to_go_on) {
+  FloorExpectation expectation(config);
+  const auto expect_of = [&](int frame, double pitched, FloorState state = FloorState::found) {
+    view.image().timestamp_ns = frame * int64_t{33'000'000};
+    view.image().sequence = static_cast<uint64_t>(frame);
+    const FloorLine line = floor_line(stereo_view(view.image()), up, pitched);
+    last.a = line.slope / 16;
+    last.b = line.row0;
+    last.pitch_rad = pitched;
+    last.state = state;
+    return expectation.expect(view.image(), &last);
+  };
+  const auto off = [&](const std::optional<ExpectedFloor>& floor, double pitched) {
+    const Point ray = horizontal({0, (200 - cy) / f, 1}, pitched, 0);
+    return std::abs(floor->at_row(200) - f * baseline * ray.y / up);
+  };
+  EXPECT_LT(off(expect_of(1, 0.10), 0.10), 0.01) << "nothing is known of where it turns";
+  EXPECT_LT(off(expect_of(2, 0.126), 0.152), 0.01);
+  EXPECT_LT(off(expect_of(2, 0.126), 0.126), 0.01) << "a second look at the same frame is at the floor it was given";
+  EXPECT_LT(off(expect_of(3, 0.152), 0.178), 0.01);
+  EXPECT_LT(off(expect_of(5, 0.178), 0.230), 0.01) << "twice the time";
+  EXPECT_LT(off(expect_of(6, 0.30), 0.30), 0.01) << "more than a camera turns in a frame: another floor";
+  EXPECT_LT(off(expect_of(7, 0.31), 0.32), 0.01);
+  EXPECT_LT(off(expect_of(8, 0.31, FloorState::held), 0.31), 0.01) << "a floor that is not seen says nothing of turning";
+  EXPECT_LT(off(expect_of(9, 0.33), 0.33), 0.01);
+  EXPECT_LT(off(expect_of(40, 0.34), 0.34), 0.01) << "a second later it may turn otherwise";
+}
+
 TEST_F(ExpectedFloorTest, roll_tilts_the_floor) {
   for (double roll : {0.06, -0.06}) {
     config.mounting.roll = static_cast<float>(roll);
