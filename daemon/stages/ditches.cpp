@@ -51,7 +51,7 @@ bool Upright::floor_goes_on(std::span<const Sample> samples, size_t end) const n
   return false;
 }
 
-bool Upright::is_ditch(std::span<const Sample> samples, size_t first, size_t end, const Sample& edge, const Hidden* same) const noexcept {
+bool Upright::is_ditch(std::span<const Sample> samples, size_t first, size_t end, const Sample& edge, const Rise* same) const noexcept {
   const Sample& top = samples[end - 1];
   const float rises = top.up - samples[first].up, least = part_of_ditch * static_cast<float>(config_.limit.max_height) + scale_.dents;
   if (std::abs(top.up - edge.up) > level() || rises < least) return false;

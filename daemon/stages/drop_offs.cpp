@@ -17,7 +17,9 @@ constexpr int hidden_cells = 4, least_hidden = 2;         // of a drop-off: cell
 constexpr int edge_beside = 2;                            // of a drop-off, in the next column: cells it may be nearer or farther there
 constexpr int edge_cells = 2;                             // of a drop-off that are told; what lies behind is hidden
 constexpr int beside_lone = 4;                            // cells: as far off is the same edge in the next column
+constexpr double windows_of_edge = 3.5;                   // side by side, that are no false match
 constexpr int most_between = 20, off_line = 2;            // cells: edges that are one, and how straight it is
+constexpr int least_edge = 3, edge_slope = 8;             // cells: an edge that goes on, and as much of it says where
 
 }  // namespace
 
@@ -67,10 +69,24 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) noe
   }
 }
 
+bool Occupancy::floor_behind(int line, int column, const Image& reason) const noexcept {
+  for (int r = std::max(line - off_line - hidden_cells, 0); r < line - off_line; ++r)
+    if (reason.row<uint8_t>(r)[column] == static_cast<uint8_t>(CellReason::floor)) return true;
+  return false;
+}
+
+void Occupancy::tell_end(int line, int column, Image& occupancy, Image& reason) const noexcept {
+  for (int r = std::max(line - off_line, 0); r <= std::min(line + off_line, rows_ - 2); ++r) {
+    if (reason.row<uint8_t>(r + 1)[column] != static_cast<uint8_t>(CellReason::floor) || occupancy.row<int8_t>(r)[column] >= 0) continue;
+    occupancy.row<int8_t>(r)[column] = 100;
+    reason.row<uint8_t>(r)[column] = static_cast<uint8_t>(CellReason::drop_off);
+    return;
+  }
+}
+
 /// Between two parts of an edge that are seen nothing may be matched, neither grazing ground nor what lies lower. Where the floor ends all
 /// along the line between them, and is seen nowhere behind it, that is the edge too.
 void Occupancy::join_edges(Image& occupancy, Image& reason) const noexcept {
-  const auto is = [&](int row, int column, CellReason why) { return reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(why); };
   int before = -1;
   for (int column = 0; column < columns_; ++column) {
     const int here = edges_[static_cast<size_t>(column)];
@@ -80,40 +96,83 @@ void Occupancy::join_edges(Image& occupancy, Image& reason) const noexcept {
     const int there = edges_[static_cast<size_t>(left)];
     const auto on_line = [&](int c) { return there + (here - there) * (c - left) / (column - left); };
     bool open = false;
-    for (int c = left + 1; c < column && !open; ++c) {
-      for (int r = std::max(on_line(c) - off_line - hidden_cells, 0); r < on_line(c) - off_line; ++r)
-        open = open || is(r, c, CellReason::floor);
-    }
-    for (int c = left + 1; c < column && !open; ++c) {
-      for (int r = std::max(on_line(c) - off_line, 0); r <= std::min(on_line(c) + off_line, rows_ - 2); ++r) {
-        if (!is(r + 1, c, CellReason::floor) || occupancy.row<int8_t>(r)[c] >= 0) continue;
-        occupancy.row<int8_t>(r)[c] = 100;
-        reason.row<uint8_t>(r)[c] = static_cast<uint8_t>(CellReason::drop_off);
-        break;
+    for (int c = left + 1; c < column && !open; ++c) open = floor_behind(on_line(c), c, reason);
+    for (int c = left + 1; c < column && !open; ++c) tell_end(on_line(c), c, occupancy, reason);
+  }
+}
+
+/// An edge goes on to both sides of what is seen of it: in gaps between what stands before it, and at the border of the picture, next to
+/// nothing can be matched. Where the floor ends along its line, that is the edge too; but not where floor is seen behind the line.
+void Occupancy::extend_edges(Image& occupancy, Image& reason) const noexcept {
+  const auto row_of = [&](int column) { return column < 0 || column >= columns_ ? -1 : edges_[static_cast<size_t>(column)]; };
+  for (int end = 0; end < columns_; ++end) {
+    for (const int side : {-1, 1}) {
+      if (row_of(end) < 0 || row_of(end + side) >= 0) continue;
+      int first = end;
+      while (std::abs(end - first) < edge_slope && row_of(first - side) >= 0 &&
+             std::abs(row_of(first - side) - row_of(first)) <= beside_lone)
+        first -= side;
+      const int length = std::abs(end - first);
+      if (length + 1 < least_edge) continue;
+      const auto on_line = [&](int on) { return row_of(end) + (row_of(end) - row_of(first)) * on / length; };
+      bool open = false;
+      int steps = 0;
+      for (int on = 1; on <= most_between && !open; ++on) {
+        const int c = end + side * on, line = on_line(on);
+        if (c < 0 || c >= columns_ || row_of(c) >= 0 || line - off_line - hidden_cells < 0 || line + off_line + 1 >= rows_) break;
+        open = floor_behind(line, c, reason);
+        steps = on;
       }
+      for (int on = 1; on <= steps && !open; ++on) tell_end(on_line(on), end + side * on, occupancy, reason);
     }
   }
 }
 
-/// An edge that is told in one column alone, and in none of the two to each side of it, is a false match: narrower than a wheel, and the
-/// rover would stop for it. What is there is unknown.
-void Occupancy::refuse_lone_edges(Image& occupancy, Image& reason) const noexcept {
+/// How many cells, at this row's distance, those windows of the matcher are wide that are no false match.
+double Occupancy::windows(const Inputs& in, int row) const noexcept {
+  return windows_of_edge * config_.image_source.corrsize / in.view.f * (rows_ - row);
+}
+
+/// An edge in one column alone, or no wider than a few windows of the matcher, is a false match, and the rover would stop for it. What is
+/// there is unknown.
+void Occupancy::refuse_lone_edges(const Inputs& in, Image& occupancy, Image& reason) noexcept {
   constexpr auto drop_off = static_cast<uint8_t>(CellReason::drop_off);
-  const auto in_column = [&](int row, int column) {
-    if (column < 0 || column >= columns_) return false;
-    for (int r = std::max(row - beside_lone, 0); r <= std::min(row + beside_lone, rows_ - 1); ++r)
-      if (reason.row<uint8_t>(r)[column] == drop_off) return true;
-    return false;
+  // The nearest row of the edge in a column beside one where it is in `row`; -1: it is not there.
+  const auto next = [&](int row, int column) {
+    if (column < 0 || column >= columns_) return -1;
+    for (int off = 0; off <= beside_lone; ++off)
+      for (const int r : {row - off, row + off})
+        if (r >= 0 && r < rows_ && reason.row<uint8_t>(r)[column] == drop_off) return r;
+    return -1;
   };
-  const auto beside = [&](int row, int column) {
-    return in_column(row, column - 1) || in_column(row, column + 1) || in_column(row, column - 2) || in_column(row, column + 2);
+  const auto columns_of = [&](int row, int column, int most) {  // a column without any in between them is none
+    int count = 1;
+    for (const int side : {-1, 1}) {
+      int at = row;
+      for (int c = column + side; count < most; c += side) {
+        if (const int r = next(at, c); r >= 0) {
+          at = r;
+          ++count;
+        } else if (next(at, c + side) < 0) {
+          break;
+        }
+      }
+    }
+    return count;
   };
+  std::fill(known_.begin(), known_.end(), uint8_t{0});
+  for (int row = 0; row < rows_; ++row) {
+    const int least = std::max(static_cast<int>(std::ceil(windows(in, row))), 2);
+    for (int column = 0; column < columns_; ++column)
+      known_[static_cast<size_t>(row * columns_ + column)] =
+          reason.row<uint8_t>(row)[column] == drop_off && columns_of(row, column, least) < least;
+  }
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
-      uint8_t& why = reason.row<uint8_t>(row)[column];
-      if (why != drop_off || beside(row, column)) continue;
+      if (!known_[static_cast<size_t>(row * columns_ + column)]) continue;
       occupancy.row<int8_t>(row)[column] = -1;
-      why = static_cast<uint8_t>(CellReason::rejected);
+      reason.row<uint8_t>(row)[column] = static_cast<uint8_t>(CellReason::rejected);
+      edges_[static_cast<size_t>(column)] = -1;
     }
   }
 }

@@ -13,8 +13,8 @@ constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1
 constexpr double share_alone = 0.06;    // the same where none is
 constexpr double least_part = 0.15;     // of the least object, that is taken to be inside the picture
 constexpr int occupied = occupied_from;
-constexpr int least_weak = 50;                                              // what is less, and not on floor, is not told
-constexpr double least_floor = 0.25, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
+constexpr int least_weak = 50;                                                                // what is less, and not on floor, is not told
+constexpr double least_floor = 0.25, least_free = 0.4, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
 constexpr double uneven_of_step = 0.4;                 // a cell's floor may be this part of max_height lower than the local floor
 constexpr double hole_of_step = 0.75;                  // what is this part of max_height lower than the floor would go on is a drop-off
 constexpr int least_hole = 4;                          // samples
@@ -58,6 +58,7 @@ std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
   overhangs_ = obstacles_;
   beyond_.assign(obstacles_.size(), Beyond{});
   known_.assign(obstacles_.size(), 0);
+  partly_.assign(obstacles_.size(), CellReason::floor);
   edges_.assign(static_cast<size_t>(columns_), -1);
   island_.reserve(obstacles_.size());
   scratch_ = kernels::GroundScratch(in[0].width, static_cast<int>(disparities));
@@ -95,11 +96,14 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) judge(inputs, row, column, *out[0], *out[1]);
   }
+  doubt_lone(inputs, *out[0], *out[1]);
   shade(inputs, *out[0], *out[1]);
   drop_offs(inputs, *out[0], *out[1]);
   join_edges(*out[0], *out[1]);
-  refuse_lone_edges(*out[0], *out[1]);
+  refuse_lone_edges(inputs, *out[0], *out[1]);
+  extend_edges(*out[0], *out[1]);
   islands(*out[0], *out[1]);
+  refuse_partly(*out[0], *out[1]);
   return Outcome::valid;
 }
 
@@ -206,6 +210,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   look(in, where, tally);
   const size_t cell = static_cast<size_t>(row * columns_ + column);
   beyond_[cell] = {};
+  partly_[cell] = CellReason::floor;
   const int own = obstacles_[cell], around = seen(row, column);
   const double all = std::max(tally.all, 1);
   int risk = 0;
@@ -217,8 +222,14 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
     risk = static_cast<int>(100 * (1 - std::exp(-counted / (share * std::max(expected(in, where), 1.0)))));
   }
   if (risk >= occupied) return say(risk, CellReason::obstacle);
+  const auto otherwise = [&] {
+    std::array<int, cell_reasons> sums = tally.why;
+    sums[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.beyond;
+    return static_cast<CellReason>(std::max_element(sums.begin(), sums.end()) - sums.begin());
+  };
   if (tally.floor >= least_floor * all && tally.all > 0) {
     const int floor = static_cast<int>(40 * (1 - std::min(1.0, tally.floor / all / sure_floor)));
+    if (tally.floor < least_free * all) partly_[cell] = otherwise();
     return say(std::max(floor, risk), CellReason::floor);
   }
   if (risk >= least_weak) return say(risk, CellReason::obstacle);
@@ -228,9 +239,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   if (overhangs_[cell] >= config_.map.minCount && tally.all == 0) return say(-1, CellReason::overhang);
   if (tally.all == 0) return say(-1, CellReason::out_of_view);
   if (where.d_far > in.nearest) return say(-1, CellReason::too_near);
-  tally.why[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.beyond;
-  const auto most = std::max_element(tally.why.begin(), tally.why.end());
-  say(-1, static_cast<CellReason>(most - tally.why.begin()));
+  say(-1, otherwise());
 }
 
 }  // namespace vdisp

@@ -21,9 +21,10 @@ namespace vdisp {
 /// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
-/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in one of the next columns too; a
-/// small patch of floor by itself is a false match, or the top of something behind a crest; floor up to half a window before what has no
-/// texture may be the window's; what is none of this is unknown.
+/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in as many columns as
+/// a few windows of the matcher are wide, and it goes on along its line; a small patch of floor by itself is a false match, or the top of
+/// something behind a crest; floor up to half a window before what has no texture may be the window's; a cell that shows less than 0.4 of
+/// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -58,11 +59,19 @@ class Occupancy final : public ImageProcessor {
   double expected(const Inputs& in, const Box& box) const noexcept;
   int seen(int row, int column) const noexcept;
   void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
+  double windows(const Inputs& in, int row) const noexcept;
+  void doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) const noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;
+  /// Of an edge whose row in this column is `line`: whether floor is seen behind it.
+  bool floor_behind(int line, int column, const Image& reason) const noexcept;
+  /// The same: tells a drop-off where the floor ends there.
+  void tell_end(int line, int column, Image& occupancy, Image& reason) const noexcept;
   void join_edges(Image& occupancy, Image& reason) const noexcept;
-  void refuse_lone_edges(Image& occupancy, Image& reason) const noexcept;
+  void extend_edges(Image& occupancy, Image& reason) const noexcept;
+  void refuse_lone_edges(const Inputs& in, Image& occupancy, Image& reason) noexcept;
   void islands(Image& occupancy, Image& reason) noexcept;
+  void refuse_partly(Image& occupancy, Image& reason) const noexcept;
 
   Machine& machine_;
   const Config& config_;
@@ -72,6 +81,7 @@ class Occupancy final : public ImageProcessor {
   std::vector<int> edges_;   // by column: the row where a drop-off begins, -1: none
   std::vector<int> island_;  // cells of one patch of floor
   std::vector<uint8_t> known_;
+  std::vector<CellReason> partly_;  // of a cell that shows a little floor: what else it shows; floor: no such cell
   int rows_ = 0, columns_ = 0;
 };
 

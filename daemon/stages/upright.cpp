@@ -17,7 +17,7 @@ constexpr float lean_of_hidden = 1;                           // the same for wh
 constexpr float level_of_step = 0.5f;                         // of max_height: what ends no higher over the floor ends level with it
 constexpr float part_seen = 0.5f;                             // of max_height: what rises so much and hides its foot may be higher
 constexpr float part_risen_after = 0.7f, part_risen = 0.3f;   // of that part: when this many rows of it are seen it has risen by this
-constexpr int least_columns = 3;                              // of what hides its foot
+constexpr int least_columns = 3;  // beside each other, of which all from the third on are obstacle: what is not high over the floor
 constexpr size_t edge_samples = 4;
 constexpr size_t most_beside = 8;  // things in a column
 constexpr int most_gap = 1;        // samples without a disparity within one thing
@@ -139,37 +139,41 @@ void Upright::mark_column(const Marks& marks, std::span<const Sample> samples, i
     const auto rises = [&](size_t to) { return samples[to - 1].up - foot; };
     const Sample& top = samples[steep - 1];
     kernels::Surface is = kernels::Surface::obstacle;
-    const Hidden* same = edge ? beside(top) : nullptr;
+    const Rise* same = edge ? beside(top, false) : nullptr;
     if (edge && is_ditch(samples, first, steep, *edge, same)) {
       is = kernels::Surface::below;
       end = steep;
-      note(top, same, true);
+      note(top, same, true, false);
     } else if (edge) {
       // A few columns alone may be a false match.
       if (rises(end) < step || !same || same->columns + 1 < least_columns) is = kernels::Surface::none;
-      if (rises(end) >= step) note(top, same, false);
+      if (rises(end) >= step) note(top, same, false, false);
     } else if (rises(steep) < step) {
       ++first;
       continue;
     } else {
       end = steep;
-      // Its upper part is an obstacle by its height: this is its foot, and shall not be floor.
-      if (std::abs(marks.height.row<int16_t>(samples[first].row)[column + across_ / 2]) <= 1000 * level()) is = kernels::Surface::none;
+      same = beside(top, true);
+      note(top, same, false, true);
+      // Its upper part is an obstacle by its height: this is its foot, and shall not be floor. A few columns alone may be a false match.
+      const bool few = !same || same->columns + 1 < least_columns;
+      if (few || std::abs(marks.height.row<int16_t>(samples[first].row)[column + across_ / 2]) <= 1000 * level())
+        is = kernels::Surface::none;
     }
     mark_run(marks, samples.subspan(first, end - first), is, edge != nullptr, column);
     first = end;
   }
 }
 
-const Upright::Hidden* Upright::beside(const Sample& top) const {
-  const auto at = std::find_if(before_.begin(), before_.end(), [&](const Hidden& h) {
-    return std::abs(h.ahead - top.ahead) <= depth(top, lean_of_hidden) && std::abs(h.up - top.up) <= level();
+const Upright::Rise* Upright::beside(const Sample& top, bool standing) const {
+  const auto at = std::find_if(before_.begin(), before_.end(), [&](const Rise& r) {
+    return r.standing == standing && std::abs(r.ahead - top.ahead) <= depth(top, lean_of_hidden) && std::abs(r.up - top.up) <= level();
   });
   return at == before_.end() ? nullptr : &*at;
 }
 
-void Upright::note(const Sample& top, const Hidden* same, bool ditch) noexcept {
-  if (now_.size() < most_beside) now_.push_back({top.ahead, top.up, same ? same->columns + 1 : 1, ditch});
+void Upright::note(const Sample& top, const Rise* same, bool ditch, bool standing) noexcept {
+  if (now_.size() < most_beside) now_.push_back({top.ahead, top.up, same ? same->columns + 1 : 1, ditch, standing});
 }
 
 void Upright::mark_run(const Marks& marks, std::span<const Sample> run, kernels::Surface is, bool hidden, int column) const noexcept {

@@ -64,17 +64,17 @@ class Upright {
   const Sample* edge_before(std::span<const Sample> samples, size_t first) const noexcept;
   /// Behind its top, level with it.
   bool floor_goes_on(std::span<const Sample> samples, size_t end) const noexcept;
-  /// What hides its foot, at its top: in how many columns beside each other, and whether it is the far wall of a ditch.
-  struct Hidden {
+  /// What rises, at its top: in how many columns beside each other, whether it is the far wall of a ditch, and whether its foot is seen.
+  struct Rise {
     float ahead, up;
     int columns;
-    bool ditch;
+    bool ditch, standing;
   };
   /// The same in the column before; null where that shows none.
-  const Hidden* beside(const Sample& top) const;
-  void note(const Sample& top, const Hidden* same, bool ditch) noexcept;
+  const Rise* beside(const Sample& top, bool standing) const;
+  void note(const Sample& top, const Rise* same, bool ditch, bool standing) noexcept;
   /// What rises from `first` to `end` behind the edge is the far wall of a ditch.
-  bool is_ditch(std::span<const Sample> samples, size_t first, size_t end, const Sample& edge, const Hidden* same) const noexcept;
+  bool is_ditch(std::span<const Sample> samples, size_t first, size_t end, const Sample& edge, const Rise* same) const noexcept;
   void mark_column(const Marks& marks, std::span<const Sample> samples, int column) noexcept;
   void mark_run(const Marks& marks, std::span<const Sample> run, kernels::Surface is, bool hidden, int column) const noexcept;
 
@@ -82,7 +82,7 @@ class Upright {
   std::vector<int16_t> gathered_;  // by column and row
   std::vector<Range> ranges_;      // by column of a v-disparity
   std::vector<Sample> samples_;
-  std::vector<Hidden> now_, before_;  // in this column and the one before
+  std::vector<Rise> now_, before_;  // in this column and the one before
   Scale scale_{};
   int columns_ = 0, rows_ = 0;
   int across_ = 4, down_ = 4;  // px from sample to sample
