@@ -135,7 +135,10 @@ TEST_F(FireWire, software_triggers_start_exposures) {
   const uint64_t before = source_->cameras()->pairs;
   const int64_t begin = monotonic_ns();
   while (monotonic_ns() - begin < 2'000'000'000) step();
-  EXPECT_NEAR(static_cast<double>(source_->cameras()->pairs - before), 10, 3);
+  // Untriggered there would be 60. On a busy machine a trigger may come late, and then there are fewer.
+  const uint64_t pairs = source_->cameras()->pairs - before;
+  EXPECT_GE(pairs, 4u);
+  EXPECT_LE(pairs, 12u);
 }
 
 TEST_F(FireWire, exposure_and_gain_are_set) {
