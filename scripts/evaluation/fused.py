@@ -54,10 +54,12 @@ def wider(mask, cells=1):
     return cv2.dilate(mask.astype(np.uint8), np.ones((2 * cells + 1, 2 * cells + 1), np.uint8)) > 0
 
 
-def best_shift(a, b, reach=4):
-    """The shift of b, cells along x and y, with which most of a and b agree."""
-    found = [(np.count_nonzero(a & np.roll(b, (i, j), (0, 1))), -abs(i) - abs(j), i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)]
-    return max(found)[2:]
+def best_shift(a, b, reach=4, as_good=0.95):
+    """The shift of b, cells along x and y, with which most of a and b agree; of those as good as that the least: a wall agrees with itself
+    along all of its length."""
+    found = [(abs(i) + abs(j), i, j, np.count_nonzero(a & np.roll(b, (i, j), (0, 1)))) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)]
+    most = max(agree for *_, agree in found)
+    return min(shift for *shift, agree in found if agree >= as_good * most)[1:]
 
 
 def look(frame):
