@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -96,11 +97,12 @@ int run(double rate, long frames, const ShmOptions& options) {
   int64_t next = monotonic_ns();
   uint64_t allocations = 0;
   for (long frame = 0; frame != frames && !stop; ++frame) {
+    const int64_t begin = monotonic_ns();
     const uint64_t before = allocations_of_this_thread();
     driver.step();
     driver.beat();
     allocations += allocations_of_this_thread() - before;
-    next += static_cast<int64_t>(1e9 / rate);
+    next = std::max(next, begin) + static_cast<int64_t>(1e9 / rate);  // as a camera: what is late is not caught up in a burst
     for (int64_t now = monotonic_ns(); now < next && !stop; now = monotonic_ns()) {
       const int64_t nap = std::min<int64_t>(next - now, 100'000'000);
       const timespec time{0, nap};

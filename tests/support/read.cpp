@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -21,16 +22,35 @@ using std::chrono::milliseconds;
 
 namespace {
 
-/// Sees every frame, and says how many it did not see.
+/// Notices when this process is not run although it would: the processor is given to others, or the whole machine stands still.
+class Pulse {
+ public:
+  /// The longest that it was not run since this was last asked, ns.
+  int64_t longest_gap() noexcept { return std::max(gap_.exchange(0), monotonic_ns() - beat_.load()); }
+
+ private:
+  std::atomic<int64_t> beat_{monotonic_ns()}, gap_{0};
+  std::jthread thread_{[this](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      std::this_thread::sleep_for(milliseconds(4));
+      const int64_t now = monotonic_ns();
+      gap_ = std::max(gap_.load(), now - beat_.exchange(now));
+    }
+  }};
+};
+
+/// Sees every frame, and says how many it did not see: `missed`, and apart from these `asleep`, while it was not run for more than 20 ms.
 int count(Client& client, const std::string& topic, double seconds) {
   const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
   const Client::Topic handle = client.subscribe(topic);
-  uint64_t frames = 0, missed = 0, last = 0, epoch = 0;
+  uint64_t frames = 0, missed = 0, asleep = 0, last = 0, epoch = 0;
   std::vector<double> ages;
+  Pulse pulse;
   while (monotonic_ns() < end) {
     const Reading reading = client.wait(handle, milliseconds(200));
     if (!reading.image || (reading.image->sequence == last && reading.image->epoch == epoch)) continue;
-    if (epoch == reading.image->epoch) missed += reading.image->sequence - last - 1;
+    const uint64_t gap = epoch == reading.image->epoch ? reading.image->sequence - last - 1 : 0;
+    (pulse.longest_gap() > 20'000'000 ? asleep : missed) += gap;
     epoch = reading.image->epoch;
     last = reading.image->sequence;
     ++frames;
@@ -42,9 +62,9 @@ int count(Client& client, const std::string& topic, double seconds) {
                      static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
   std::sort(ages.begin(), ages.end());
   const auto percentile = [&](double p) { return ages.empty() ? 0 : ages[static_cast<size_t>(p * static_cast<double>(ages.size() - 1))]; };
-  std::printf("frames %llu missed %llu reconnections %llu age_us p50 %.0f p99 %.0f cpu %.1f%%\n", static_cast<unsigned long long>(frames),
-              static_cast<unsigned long long>(missed), static_cast<unsigned long long>(client.reconnections()), percentile(0.5),
-              percentile(0.99), 100 * cpu / seconds);
+  std::printf("frames %llu missed %llu asleep %llu reconnections %llu age_us p50 %.0f p99 %.0f cpu %.1f%%\n",
+              static_cast<unsigned long long>(frames), static_cast<unsigned long long>(missed), static_cast<unsigned long long>(asleep),
+              static_cast<unsigned long long>(client.reconnections()), percentile(0.5), percentile(0.99), 100 * cpu / seconds);
   return 0;
 }
 
