@@ -14,6 +14,8 @@ constexpr double roughness = 0.02;        // m, of ground that is one with its p
 constexpr double disparity_noise = 0.35;  // px
 constexpr float most_counted = 8;         // points of a distance: more say nothing new
 constexpr float least_shown = 1;          // points that show that the floor is there: falling ground is grazing, and hardly matched
+// And of the ground seen so far off: where more is seen higher and lower, the few between are the face of a kerb.
+constexpr float share_shown = 0.1f;
 constexpr float unlikely = 1e6f;
 constexpr size_t bank_step = 2;  // points, of which one tells how the ground is banked
 // A floor recedes from row to row, least where it rises as steeply as it may, and what falls recedes faster than the plane.
@@ -91,7 +93,7 @@ void FloorProfile::find_way(const FloorModel& model, const StereoView& view, con
       const float on_it = sums[std::min(level + on + 1, levels)] - sums[std::max(level - on, 0)], below = sums[std::max(level - gap, 0)];
       cost[level] = (price_of_below * std::min(below, most_counted) - std::min(on_it, most_counted)) / most_counted +
                     price_of_level * static_cast<float>(std::abs(level - middle));
-      carries[level] = on_it >= least_shown;
+      carries[level] = on_it >= std::max(least_shown, share_shown * all);
     }
     ground_seen = ground_seen || carries[middle];
     if (!ground_seen) {

@@ -12,8 +12,9 @@ namespace vdisp {
 
 /// The cheapest way through a grid of distances and heights, by dynamic programming: points that lie on it pay, points seen below it cost
 /// (obstacles stand on the floor, nothing is seen through it), it neither rises nor falls more than `maxSlope` against the plane, and it
-/// falls only where it is seen to. So ramps, crests and bent ground are floor, and a kerb, a wall or a hole is not. It never lies
-/// on what stands upright: a wall that leads along the way from the floor down to lower ground shows each height between them.
+/// falls only where it is seen to, by a tenth of all the ground seen so far off. So ramps, crests and bent ground are floor, and a kerb, a
+/// wall or a hole is not. It never lies on what stands upright: a wall that leads along the way from the floor down to lower ground shows
+/// each height between them.
 class FloorProfile {
  public:
   explicit FloorProfile(const Config& config) : config_(config) {}

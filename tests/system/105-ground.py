@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""105: bare ground, the daemon alone: nothing stands there, whatever the camera and the ground do. The seeds are those with which it once did.
+"""105: ground, the daemon alone: nothing stands on what is bare, whatever the camera and the ground do, and no ramp leads down a kerb. The seeds are
+those with which it once was so.
 
 SPDX-License-Identifier: Apache-2.0
 """
+import json
 import pathlib
 
 import cv2
@@ -14,16 +16,20 @@ OBSTACLE = 65  # occupancy, percent
 
 
 class Ground(ProgramTest):
-    def assert_bare(self, frames, **sim):
-        """Runs scene `empty` with [mounting] told; a map of each frame, none with an obstacle."""
+    def dump(self, frames, **sim):
+        """Runs a scene with [mounting] told; the folder of each frame."""
         folder = pathlib.Path(self.folder) / "-".join(f"{key}-{value}" for key, value in sim.items())
-        words = {"main.middleware": "none", "image source.source": "sim", "sim.rate": 0, "sim.scene": "empty", "sim.cameraHeight": 0.8,
+        words = {"main.middleware": "none", "image source.source": "sim", "sim.rate": 0, "sim.cameraHeight": 0.8,
                  "sim.pitch": 0.2618, "mounting.height": 0.8, "mounting.pitch": 0.2618, **{f"sim.{key}": value for key, value in sim.items()}}
         done = run("vdispd", "--frames", str(frames), "--dump", str(folder), *[w for k, v in words.items() for w in ("--set", f"{k}={v}")])
         self.assertEqual(done.returncode, 0, done.stderr)
-        maps = sorted(folder.glob("0*/occupancy.png"))
-        self.assertEqual(len(maps), frames)
-        for path in maps:
+        places = sorted(folder.glob("0*"))
+        self.assertEqual(len(places), frames)
+        return places
+
+    def assert_bare(self, frames, **sim):
+        for path in self.dump(frames, scene="empty", **sim):
+            path /= "occupancy.png"
             cells = cv2.imread(str(path), cv2.IMREAD_UNCHANGED).astype(np.uint8).view(np.int8)
             self.assertGreater(int(((cells >= 0) & (cells < OBSTACLE)).sum()), 300, f"{path}: free cells")
             self.assertEqual(int((cells >= OBSTACLE).sum()), 0, f"{path}: obstacle cells")
@@ -34,6 +40,13 @@ class Ground(ProgramTest):
 
     def test_ground_of_bumps_has_no_obstacles_where_the_plane_leans_with_them(self):
         self.assert_bare(18, seed=422, roughness=0.05)
+
+    def test_a_kerb_that_leads_along_the_way_is_no_ramp_to_the_ground_below(self):
+        for seed in (502, 510):
+            for frame in self.dump(4, scene="flat", ground="kerb", seed=seed):
+                profile = json.loads((frame / "frame.json").read_text())["floor"]["profile"]
+                lowest = min(place["height_m"] for place in profile if place["ahead_m"] < 3.5)
+                self.assertGreater(lowest, -0.1, f"{frame}: the step is 0.32 m")
 
 
 if __name__ == "__main__":

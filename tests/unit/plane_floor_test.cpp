@@ -98,6 +98,20 @@ TEST_F(PlaneFloorTest, the_profile_falls_where_little_of_the_falling_ground_is_s
   for (double ahead = 2.5; ahead < 3.6; ahead += 0.25) EXPECT_NEAR(local.elevation(ahead), -fall * (ahead - edge), 0.05) << ahead;
 }
 
+// Where a kerb leads along the way, the matcher's windows hold both sides of it, and say some heights between.
+TEST_F(PlaneFloorTest, the_profile_does_not_fall_by_the_few_points_between_higher_and_lower_ground) {
+  constexpr double edge = 1.8, deep = 0.32, fall = 0.2;
+  const Scene kerb = kerb_beside(edge, -0.4, deep);
+  see([&](const Point& ray) {
+    const Point h = horizontal(ray, pitch);
+    const double slope = (high - fall * edge) / (h.y - fall * h.z), on_it = h.z * slope - edge;
+    return ray.x > 0 && ray.x < 5.5 / view.f && slope > 0 && on_it > 0 && on_it * fall < deep ? slope : kerb(ray);
+  });
+  ASSERT_EQ(find(), Outcome::valid);
+  const LocalFloor local(model(), view);
+  for (double ahead = 2; ahead < 4; ahead += 0.25) EXPECT_GT(local.elevation(ahead), -0.05) << ahead;
+}
+
 TEST_F(PlaneFloorTest, darkness_glare_and_blank_walls_are_blind_at_once_and_never_held) {
   see(ground(high));
   ASSERT_EQ(find(0), Outcome::valid);
