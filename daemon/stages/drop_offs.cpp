@@ -19,7 +19,9 @@ constexpr int edge_cells = 2;                             // of a drop-off that 
 constexpr int beside_lone = 4;                            // cells: as far off is the same edge in the next column
 constexpr double windows_of_edge = 3.5;                   // side by side, that are no false match
 constexpr int most_between = 20, off_line = 2;            // cells: edges that are one, and how straight it is
-constexpr int least_edge = 3, edge_slope = 8;             // cells: an edge that goes on, and as much of it says where
+constexpr int least_edge = 3, sure_edge = 6;              // cells: an edge that goes on, and one that itself says where
+constexpr int edge_slope = 8;                             // cells of it that say so
+constexpr int least_ends = 3;                             // columns in which the floor ends on the line of an edge of which less is seen
 
 }  // namespace
 
@@ -75,13 +77,17 @@ bool Occupancy::floor_behind(int line, int column, const Image& reason) const no
   return false;
 }
 
+int Occupancy::end_of_floor(int line, int column, const Image& occupancy, const Image& reason) const noexcept {
+  for (int r = std::max(line - off_line, 0); r <= std::min(line + off_line, rows_ - 2); ++r)
+    if (reason.row<uint8_t>(r + 1)[column] == static_cast<uint8_t>(CellReason::floor) && occupancy.row<int8_t>(r)[column] < 0) return r;
+  return -1;
+}
+
 void Occupancy::tell_end(int line, int column, Image& occupancy, Image& reason) const noexcept {
-  for (int r = std::max(line - off_line, 0); r <= std::min(line + off_line, rows_ - 2); ++r) {
-    if (reason.row<uint8_t>(r + 1)[column] != static_cast<uint8_t>(CellReason::floor) || occupancy.row<int8_t>(r)[column] >= 0) continue;
-    occupancy.row<int8_t>(r)[column] = 100;
-    reason.row<uint8_t>(r)[column] = static_cast<uint8_t>(CellReason::drop_off);
-    return;
-  }
+  const int row = end_of_floor(line, column, occupancy, reason);
+  if (row < 0) return;
+  occupancy.row<int8_t>(row)[column] = 100;
+  reason.row<uint8_t>(row)[column] = static_cast<uint8_t>(CellReason::drop_off);
 }
 
 /// Between two parts of an edge that are seen nothing may be matched, neither grazing ground nor what lies lower. Where the floor ends all
@@ -104,28 +110,48 @@ void Occupancy::join_edges(Image& occupancy, Image& reason) const noexcept {
 /// An edge goes on to both sides of what is seen of it: in gaps between what stands before it, and at the border of the picture, next to
 /// nothing can be matched. Where the floor ends along its line, that is the edge too; but not where floor is seen behind the line.
 void Occupancy::extend_edges(Image& occupancy, Image& reason) const noexcept {
-  const auto row_of = [&](int column) { return column < 0 || column >= columns_ ? -1 : edges_[static_cast<size_t>(column)]; };
   for (int end = 0; end < columns_; ++end) {
     for (const int side : {-1, 1}) {
-      if (row_of(end) < 0 || row_of(end + side) >= 0) continue;
+      if (edge_row(end) < 0 || edge_row(end + side) >= 0) continue;
       int first = end;
-      while (std::abs(end - first) < edge_slope && row_of(first - side) >= 0 &&
-             std::abs(row_of(first - side) - row_of(first)) <= beside_lone)
+      while (std::abs(end - first) < edge_slope && edge_row(first - side) >= 0 &&
+             std::abs(edge_row(first - side) - edge_row(first)) <= beside_lone)
         first -= side;
       const int length = std::abs(end - first);
-      if (length + 1 < least_edge) continue;
-      const auto on_line = [&](int on) { return row_of(end) + (row_of(end) - row_of(first)) * on / length; };
-      bool open = false;
-      int steps = 0;
-      for (int on = 1; on <= most_between && !open; ++on) {
-        const int c = end + side * on, line = on_line(on);
-        if (c < 0 || c >= columns_ || row_of(c) >= 0 || line - off_line - hidden_cells < 0 || line + off_line + 1 >= rows_) break;
-        open = floor_behind(line, c, reason);
-        steps = on;
-      }
-      for (int on = 1; on <= steps && !open; ++on) tell_end(on_line(on), end + side * on, occupancy, reason);
+      Line line{end, side, edge_row(end) - edge_row(first), length};
+      if (length + 1 < sure_edge && !find_line(occupancy, reason, line) && length + 1 < least_edge) continue;
+      const int on_it = follow(line, occupancy, reason).columns;
+      for (int on = 1; on <= on_it; ++on) tell_end(row_on(line, on), end + side * on, occupancy, reason);
     }
   }
+}
+
+/// As far as nothing speaks against it: no columns at all where floor is seen behind one of them.
+Occupancy::Followed Occupancy::follow(const Line& line, const Image& occupancy, const Image& reason) const noexcept {
+  Followed followed;
+  for (int on = 1; on <= most_between; ++on) {
+    const int column = line.end + line.side * on, row = row_on(line, on);
+    if (column < 0 || column >= columns_ || edge_row(column) >= 0 || row - off_line - hidden_cells < 0 || row + off_line + 1 >= rows_)
+      break;
+    if (floor_behind(row, column, reason)) return {};
+    followed.columns = on;
+    followed.ends += end_of_floor(row, column, occupancy, reason) >= 0;
+  }
+  return followed;
+}
+
+/// Too little of an edge is seen to say where it leads: along the line on which the floor ends most often.
+bool Occupancy::find_line(const Image& occupancy, const Image& reason, Line& line) const noexcept {
+  int most = least_ends - 1;
+  for (int turn = 0; turn <= 2 * edge_slope; ++turn) {
+    const int rise = (turn + 1) / 2 * (turn % 2 ? -1 : 1);  // the least first
+    const Line other{line.end, line.side, rise, edge_slope};
+    const int ends = follow(other, occupancy, reason).ends;
+    if (ends <= most) continue;
+    most = ends;
+    line = other;
+  }
+  return most >= least_ends;
 }
 
 /// How many cells, at this row's distance, those windows of the matcher are wide that are no false match.
@@ -172,7 +198,7 @@ void Occupancy::refuse_lone_edges(const Inputs& in, Image& occupancy, Image& rea
       if (!known_[static_cast<size_t>(row * columns_ + column)]) continue;
       occupancy.row<int8_t>(row)[column] = -1;
       reason.row<uint8_t>(row)[column] = static_cast<uint8_t>(CellReason::rejected);
-      edges_[static_cast<size_t>(column)] = -1;
+      if (edge_row(column) == row) edges_[static_cast<size_t>(column)] = -1;
     }
   }
 }

@@ -65,9 +65,21 @@ class Occupancy final : public ImageProcessor {
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;
   /// Of an edge whose row in this column is `line`: whether floor is seen behind it.
   bool floor_behind(int line, int column, const Image& reason) const noexcept;
-  /// The same: tells a drop-off where the floor ends there.
+  /// The same: the row where the floor ends there, -1: it does not, or what is behind is known; and tells a drop-off in that row.
+  int end_of_floor(int line, int column, const Image& occupancy, const Image& reason) const noexcept;
   void tell_end(int line, int column, Image& occupancy, Image& reason) const noexcept;
   void join_edges(Image& occupancy, Image& reason) const noexcept;
+  int edge_row(int column) const noexcept { return column < 0 || column >= columns_ ? -1 : edges_[static_cast<size_t>(column)]; }
+  /// Where an edge goes on from its column `end` to one side, by so many rows in so many columns.
+  struct Line {
+    int end, side, rise, run;
+  };
+  struct Followed {
+    int columns = 0, ends = 0;  // up to where the line can be that of an edge; in how many of these the floor ends on it
+  };
+  int row_on(const Line& line, int on) const noexcept { return edge_row(line.end) + line.rise * on / line.run; }
+  Followed follow(const Line& line, const Image& occupancy, const Image& reason) const noexcept;
+  bool find_line(const Image& occupancy, const Image& reason, Line& line) const noexcept;
   void extend_edges(Image& occupancy, Image& reason) const noexcept;
   void refuse_lone_edges(const Inputs& in, Image& occupancy, Image& reason) noexcept;
   void islands(Image& occupancy, Image& reason) noexcept;

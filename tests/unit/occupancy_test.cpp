@@ -208,6 +208,26 @@ TEST_F(OccupancyTest, an_edge_goes_on_to_the_side_of_what_is_seen_of_it_but_not_
   }
 }
 
+// Too little of it to say which way it leads; where the floor ends says so.
+TEST_F(OccupancyTest, an_edge_of_which_little_is_seen_goes_on_along_the_line_on_which_the_floor_ends) {
+  for (const double lean : {-0.35, 0.0, 0.35}) {
+    see([&](const Point& ray) {
+      const Point h = horizontal(ray, pitch);
+      const double z = ground(high)(ray), right = h.x * z;
+      if (z == 0 || h.z * z < 2 + lean * right) return z;
+      return right > 0.15 && right < 0.48 ? ground(1.4)(ray) : 0;
+    });
+    stage.reset();
+    ASSERT_EQ(find(), Outcome::valid);
+    map();
+    for (double right = -0.6; right < 0.9; right += 0.1) {
+      int cells = 0;
+      for (double ahead = 1.85; ahead < 2.3; ahead += 0.1) cells += why(ahead + lean * right, right) == CellReason::drop_off;
+      EXPECT_GT(cells, 0) << right << " m to the right of an edge that leans by " << lean;
+    }
+  }
+}
+
 // Far away a few windows that are matched wrong are a few columns.
 TEST_F(OccupancyTest, an_edge_is_at_least_as_wide_as_a_few_windows) {
   const auto edge_cells = [&](double from, double half_width) {
