@@ -58,11 +58,11 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) noe
       for (int r = row - edge_beside; r <= row + edge_beside; ++r)
         beside = beside || is_deep(r, column - 1, least) || is_deep(r, column + 1, least);
       if (deep < least_hidden || !beside) continue;
-      if (edges_[static_cast<size_t>(column)] < 0) edges_[static_cast<size_t>(column)] = last_floor - 1;
       // The ground ends somewhere between the last floor and what is seen through.
       for (int r = last_floor - 1; r > std::max(row - edge_cells, -1); --r) {
         uint8_t& edge_why = reason.row<uint8_t>(r)[column];
         if (edge_why == static_cast<uint8_t>(CellReason::obstacle)) break;
+        if (edge_row(column) < 0) edges_[static_cast<size_t>(column)] = r;
         occupancy.row<int8_t>(r)[column] = 100;
         edge_why = static_cast<uint8_t>(CellReason::drop_off);
       }

@@ -95,7 +95,7 @@ void FloorProfile::find_way(const FloorModel& model, const StereoView& view, con
                     price_of_level * static_cast<float>(std::abs(level - middle));
       carries[level] = on_it >= std::max(least_shown, share_shown * all);
     }
-    ground_seen = ground_seen || carries[middle];
+    ground_seen = ground_seen || sums[middle + on + 1] - sums[middle - on] >= least_shown;
     if (!ground_seen) {
       // The rover stands on the plane: up to where ground is first seen that is all there is to say.
       for (int level = 0; level < levels; ++level) cost[level] = level == middle ? 0 : unlikely;

@@ -9,12 +9,13 @@ namespace vdisp {
 namespace {
 
 constexpr size_t least_island = 8;  // cells
-constexpr int suspected = 50;       // a cell that is likely to be one is a neighbour too
+constexpr int suspected = 50;       // percent: an obstacle that is likely to be one is a neighbour too
 
 }  // namespace
 
 /// What stands in one cell alone takes twice the pixels: a false match of a few windows fills one cell of those that are as wide, hardly
-/// two. What is beside the map is not known.
+/// two. It stays suspected, as much as a cell can be that is none: what stands there in frame after frame adds up. What is beside the map
+/// is not known.
 void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) const noexcept {
   const auto stands = [&](int row, int column) {
     return occupancy.row<int8_t>(row)[column] >= suspected &&
@@ -30,7 +31,7 @@ void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reas
         for (int c = column - 1; c <= column + 1; ++c) near += stands(r, c);
       if (near > 0) continue;
       const int half = static_cast<int>(100 - 10 * std::sqrt(100.0 - value));
-      if (half < occupied_from) value = static_cast<int8_t>(std::max(half, suspected));
+      if (half < occupied_from) value = static_cast<int8_t>(occupied_from - 1);
     }
   }
 }

@@ -102,7 +102,8 @@ int run(double rate, long frames, const ShmOptions& options) {
     driver.step();
     driver.beat();
     allocations += allocations_of_this_thread() - before;
-    next = std::max(next, begin) + static_cast<int64_t>(1e9 / rate);  // as a camera: what is late is not caught up in a burst
+    const auto period = static_cast<int64_t>(1e9 / rate);
+    next = (begin > next + period ? begin : next) + period;  // as a camera: what is late is not caught up in a burst
     for (int64_t now = monotonic_ns(); now < next && !stop; now = monotonic_ns()) {
       const int64_t nap = std::min<int64_t>(next - now, 100'000'000);
       const timespec time{0, nap};

@@ -34,23 +34,30 @@ class Pulse {
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(milliseconds(4));
       const int64_t now = monotonic_ns();
-      gap_ = std::max(gap_.load(), now - beat_.exchange(now));
+      const int64_t gap = now - beat_.exchange(now);
+      for (int64_t longest = gap_; gap > longest && !gap_.compare_exchange_weak(longest, gap);) {
+      }
     }
   }};
 };
 
-/// Sees every frame, and says how many it did not see: `missed`, and apart from these `asleep`, while it was not run for more than 20 ms.
+/// Sees every frame, and says how many it did not see: `missed`, and apart from these `asleep`: no more than came while it was not run.
 int count(Client& client, const std::string& topic, double seconds) {
   const int64_t end = monotonic_ns() + static_cast<int64_t>(seconds * 1e9);
   const Client::Topic handle = client.subscribe(topic);
   uint64_t frames = 0, missed = 0, asleep = 0, last = 0, epoch = 0;
+  int64_t last_taken = 0;
   std::vector<double> ages;
   Pulse pulse;
   while (monotonic_ns() < end) {
     const Reading reading = client.wait(handle, milliseconds(200));
     if (!reading.image || (reading.image->sequence == last && reading.image->epoch == epoch)) continue;
     const uint64_t gap = epoch == reading.image->epoch ? reading.image->sequence - last - 1 : 0;
-    (pulse.longest_gap() > 20'000'000 ? asleep : missed) += gap;
+    const int64_t not_run = pulse.longest_gap(), period = (reading.image->timestamp_ns - last_taken) / static_cast<int64_t>(gap + 1);
+    const uint64_t came = not_run > 20'000'000 && period > 0 ? static_cast<uint64_t>(not_run / period) + 1 : 0;
+    asleep += std::min(gap, came);
+    missed += gap - std::min(gap, came);
+    last_taken = reading.image->timestamp_ns;
     epoch = reading.image->epoch;
     last = reading.image->sequence;
     ++frames;

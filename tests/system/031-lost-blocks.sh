@@ -23,7 +23,7 @@ nice -n -15 $BIN/vdisp-reader count left 2 > $WORK/left
 wait $MAP
 kill -TERM $DAEMON; wait $DAEMON || fail "the daemon ended with $?"
 cat $WORK/map $WORK/left $WORK/daemon
-[ "$(value $WORK/map frames)" -ge 1000 ] && [ "$(value $WORK/map missed)" = 0 ] || fail "the steady reader was disturbed"
-[ "$(value $WORK/left frames)" -ge 90 ] && [ "$(value $WORK/left missed)" = 0 ] || fail "blocks of the dead did not come back"
+steady $WORK/map 1000 "the steady reader was disturbed"
+steady $WORK/left 90 "blocks of the dead did not come back"
 [ "$(value $WORK/daemon allocations)" = 0 ] || fail "the loop allocated"
 echo passed

@@ -44,7 +44,10 @@ class Ground(ProgramTest):
     def test_a_kerb_that_leads_along_the_way_is_no_ramp_to_the_ground_below(self):
         for seed in (502, 510):
             for frame in self.dump(4, scene="flat", ground="kerb", seed=seed):
-                profile = json.loads((frame / "frame.json").read_text())["floor"]["profile"]
+                floor = json.loads((frame / "frame.json").read_text())["floor"]
+                self.assertAlmostEqual(floor["pitch_rad"], 0.2618, delta=0.0175)
+                self.assertAlmostEqual(floor["height_m"], 0.8, delta=0.024)
+                profile = floor["profile"]
                 lowest = min(place["height_m"] for place in profile if place["ahead_m"] < 3.5)
                 self.assertGreater(lowest, -0.1, f"{frame}: the step is 0.32 m")
 

@@ -34,10 +34,11 @@ class Steady:
                                         preexec_fn=hasten, **options)
 
     def missed(self):
-        """Frames that it did not see; None: it saw hardly any."""
+        """Frames that it did not see; None: it saw hardly any, or slept through too many."""
         text = self.process.communicate(timeout=self.seconds + 20)[0]
         found = {word: int(number) for word, number in re.findall(r"(\w+) (\d+)", text)}
-        return found["missed"] if found["frames"] > 15 * self.seconds and found["reconnections"] == 0 else None
+        awake = found["asleep"] <= found["frames"] / 50
+        return found["missed"] if awake and found["frames"] > 15 * self.seconds and found["reconnections"] == 0 else None
 
 
 class SteppedClock:

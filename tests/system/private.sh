@@ -19,6 +19,10 @@ stamped() { while IFS= read -r line; do echo "${EPOCHREALTIME/./} $line"; done; 
 fail() { echo "FAILED: $*"; exit 1; }
 # The number behind WORD in FILE, the last one.
 value() { sed -n "s/.*\b$2 \([0-9.]*\).*/\1/p" "$1" | tail -1; }
+# steady FILE LEAST WHY: a reader that counted saw so many frames and missed none; up to one in 50 it may have slept through.
+steady() {
+  [ "$(value $1 frames)" -ge $2 ] && [ "$(value $1 missed)" = 0 ] && [ "$(value $1 asleep)" -le $(($(value $1 frames) / 50)) ] || fail "$3: $(cat $1)"
+}
 wait_for() { # FILE PATTERN: at most 5 s
   for _ in $(seq 100); do grep -q "$2" "$1" 2>/dev/null && return 0; sleep 0.05; done
   fail "no '$2' in $1: $(cat "$1")"

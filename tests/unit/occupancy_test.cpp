@@ -273,7 +273,7 @@ TEST_F(OccupancyTest, what_rises_from_below_the_floor_is_an_obstacle_only_where_
 
 // As much as a few windows: a false match stands in one cell, what is there in several.
 TEST_F(OccupancyTest, what_stands_in_one_cell_alone_takes_twice_the_pixels) {
-  const auto stands = [&](double half_width) {
+  const auto stands = [&](double half_width, double top = 0.31) {
     see(ground(high));
     stage.reset();
     EXPECT_EQ(find(), Outcome::valid);
@@ -281,13 +281,14 @@ TEST_F(OccupancyTest, what_stands_in_one_cell_alone_takes_twice_the_pixels) {
     disparity.fill<int16_t>([&](int v, int u) {
       const Point h = horizontal({(u - view.cx) / view.f, (v - view.cy) / view.f, 1}, pitch);
       const double z = 3.05 / h.z, up = high - h.y * z, flat = ground(high)({(u - view.cx) / view.f, (v - view.cy) / view.f, 1});
-      if (up > 0.25 && up < 0.31 && std::abs(h.x * z) < half_width) return static_cast<int16_t>(std::lround(16 * view.disparity(z)));
+      if (up > 0.25 && up < top && std::abs(h.x * z) < half_width) return static_cast<int16_t>(std::lround(16 * view.disparity(z)));
       return flat > 0 && flat * h.z < 2.2 ? static_cast<int16_t>(std::lround(16 * view.disparity(flat))) : rejected(Rejected::not_unique);
     });
     map();
     return risk(3.05, 0);
   };
-  EXPECT_LT(stands(0.006), 65);
+  EXPECT_EQ(stands(0.006), 64) << "as suspect as a cell can be: in frame after frame it adds up";
+  EXPECT_GE(stands(0.006, 0.7), 65) << "a post";
   EXPECT_GE(stands(0.1), 65);
 }
 
