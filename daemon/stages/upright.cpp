@@ -118,13 +118,9 @@ void Upright::mark_column(const Marks& marks, std::span<const Sample> samples, i
   now_.clear();
   const float least_rise = part_risen * part_seen * step;
   for (size_t first = 0; first < samples.size();) {
-    if (samples[first].ahead > range) {
-      ++first;
-      continue;
-    }
     // Floor does not rise: most samples are done with here.
     const size_t some = first + static_cast<size_t>(samples[first].rises_after);
-    if (some >= samples.size() || samples[some].up - samples[first].up < least_rise) {
+    if (samples[first].ahead > range || some >= samples.size() || samples[some].up - samples[first].up < least_rise) {
       ++first;
       continue;
     }
