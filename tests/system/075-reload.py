@@ -73,7 +73,8 @@ class Reload(ProgramTest):
         self.replace(BEGIN.replace("= 5", "= 9"))
         self.hang_up()
         self.wait_for("minCount: 5 -> 9")
-        self.assertEqual(self.map_of(), (1, 9))
+        # The frame that was under way is still of the values before, and a reader that attaches is handed it.
+        self.assertTrue(wait_until(lambda: self.map_of() == (1, 9), 5), f"{self.map_of()}")
         text = self.daemon.text()
         self.assertRegex(text, r"parameter Map.minCount: 5 -> 9 \(.*vdisp.cfg, (SIGHUP by process %d of user %d|the file was changed)\)" % (os.getpid(), os.getuid()))
         self.assertIsNone(self.daemon.process.poll(), "a hangup does not end it")
