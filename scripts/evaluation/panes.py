@@ -81,5 +81,6 @@ def section(daemon, section):
     columns = [("reflected", "g"), ("pairs", "d"), ("floor found", ".2f"), ("pitch error [deg]", ".2f"), ("behind it: found", ".3f"),
                ("mirrored: found", ".3f"), ("free cells", ".0f"), ("obstacle cells", ".0f")]
     section.table(columns, rows, "A pane across all of the view, of two simulated scenes: one behind it, one mirrored in it, added up by the part of the "
-                  "light that it reflects. All that stands there at the pane's own place is the pane: every free cell behind it is one too many.")
+                  "light that it reflects. Free cells: of the whole map; those behind the pane, wherever it is, should not be. The command makes one such "
+                  "scene, before they are added up.")
     section.command(daemon.command_line(kinds.parameters(daemon, "flat", 1), 1))
