@@ -69,8 +69,8 @@ enum class Surface : uint8_t {
   filled,    ///< without a disparity of its own: inside an even surface whose edges are obstacle (paper 5.3)
 };
 
-/// A cell of `occupancy` with this or more is an obstacle.
-inline constexpr int8_t occupied_from = 65;
+/// A cell of `occupancy` with this or more is an obstacle; up to `free_up_to` it is free. Between them something may stand.
+inline constexpr int8_t occupied_from = 65, free_up_to = 40;
 
 inline constexpr int16_t line_none = INT16_MIN;
 inline constexpr int16_t height_unknown = INT16_MIN;

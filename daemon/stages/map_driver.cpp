@@ -41,7 +41,8 @@ void MapDriver::collect(const Image& grid, const Image* reason) noexcept {
       const bool obstacle = counts ? value >= static_cast<int>(g.min_count) : value >= occupied_from;
       if (!obstacle && (!why || !in_sight(why[column]))) continue;
       const float across = (g.origin_column - static_cast<float>(column) - 0.5f) * g.cell;  // to the left
-      const Cell cell{g.pose_x + along * cosine - across * sine, g.pose_y + along * sine + across * cosine, value < 0};
+      const bool suspected = !counts && value > free_up_to;
+      const Cell cell{g.pose_x + along * cosine - across * sine, g.pose_y + along * sine + across * cosine, suspected, value < 0};
       if (cell.ahead <= 0 || cell.ahead * cell.ahead + cell.left * cell.left > far2) continue;
       if (obstacle) {
         obstacles_.push_back(cell);
@@ -50,6 +51,14 @@ void MapDriver::collect(const Image& grid, const Image* reason) noexcept {
       }
     }
   }
+}
+
+/// Straight ahead; far where there is none. It may be nothing: come slowly, and see more of it.
+double MapDriver::first_suspected() const noexcept {
+  double first = config_.decide.far;
+  for (const Cell& cell : looked_at_)
+    if (cell.suspected) first = std::min(first, static_cast<double>(cell.ahead));
+  return first;
 }
 
 /// Along the corridor in the direction `turned`, rad to the left; far where there is none.
@@ -73,7 +82,7 @@ double MapDriver::first_unknown() const noexcept {
   for (const Cell& cell : looked_at_) {
     if (static_cast<double>(cell.ahead) > zone) continue;
     ++all;
-    if (!cell.unknown) continue;
+    if (!cell.unknown && !cell.suspected) continue;
     ++unknown;
     first = std::min(first, static_cast<double>(cell.ahead));
   }
@@ -101,7 +110,7 @@ MapWay MapDriver::look(const Image& grid, const Image* reason) noexcept {
   const double near = config_.decide.near, far = config_.decide.far;
   // What is unknown up to near is not free, also where its first cell is the last.
   way.free = way.corridor_m > near;
-  way.clearness = std::clamp((way.corridor_m - near) / (far - near), 0.0, 1.0);
+  way.clearness = std::clamp((std::min(way.corridor_m, first_suspected()) - near) / (far - near), 0.0, 1.0);
   way.left = way.free || evade_left();
   return way;
 }

@@ -20,7 +20,8 @@ struct MapWay : Way {
 /// The way is free where no obstacle stands in the corridor nearer than [decide] near, and at most a third of the cells there that
 /// can be looked at is unknown: unknown ground near the rover is not free. What lies below the picture or too near for the matcher can
 /// not be looked at; it was when the rover came, and a grid that remembers tells it. Where the nearest cell in view lies beyond near, the
-/// next few decide.
+/// next few decide. Cells in which something may stand (between free_up_to and occupied_from) are no obstacles to turn from yet: they count
+/// as unknown, and it comes near them as slowly as near an obstacle, until enough is seen of them.
 ///
 /// Evades to the side on which, turning, the first free corridor is found; of equals where the corridors reach farther, else left.
 class MapDriver {
@@ -34,11 +35,12 @@ class MapDriver {
  private:
   struct Cell {
     float ahead, left;  // m, rover frame
-    bool unknown;
+    bool suspected, unknown;
   };
   void collect(const Image& grid, const Image* reason) noexcept;
   double first_obstacle(double turned) const noexcept;
   double first_unknown() const noexcept;
+  double first_suspected() const noexcept;
   bool evade_left() const noexcept;
   double half_width() const noexcept { return config_.decide.width / 2 + config_.decide.margin; }
 

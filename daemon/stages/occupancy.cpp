@@ -228,7 +228,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
     return static_cast<CellReason>(std::max_element(sums.begin(), sums.end()) - sums.begin());
   };
   if (tally.floor >= least_floor * all && tally.all > 0) {
-    const int floor = static_cast<int>(40 * (1 - std::min(1.0, tally.floor / all / sure_floor)));
+    const int floor = static_cast<int>(free_up_to * (1 - std::min(1.0, tally.floor / all / sure_floor)));
     if (tally.floor < least_free * all) partly_[cell] = otherwise();
     return say(std::max(floor, risk), CellReason::floor);
   }
