@@ -8,30 +8,69 @@
 namespace vdisp {
 namespace {
 
-constexpr size_t least_island = 8;  // cells
-constexpr int suspected = 50;       // percent: an obstacle that is likely to be one is a neighbour too
+constexpr size_t least_island = 8;     // cells
+constexpr double least_windows = 1.5;  // of pixels, that are no false match
+constexpr int suspected = 50;          // percent: an obstacle that is likely to be one is a neighbour too
 
 }  // namespace
 
-/// What stands in one cell alone takes twice the pixels: a false match of a few windows fills one cell of those that are as wide, hardly
-/// two. It stays suspected, as much as a cell can be that is none: what stands there in frame after frame adds up. What is beside the map
-/// is not known.
-void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) const noexcept {
-  const auto stands = [&](int row, int column) {
-    return occupancy.row<int8_t>(row)[column] >= suspected &&
-           reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(CellReason::obstacle);
+/// The cells that hang together with `begin`, into island_.
+template <class Is>
+void Occupancy::find_patch(int begin, Is is) noexcept {
+  island_.clear();
+  const auto take = [&](int cell) {
+    known_[static_cast<size_t>(cell)] = 1;
+    island_.push_back(cell);
   };
-  for (int row = 1; row + 1 < rows_; ++row) {
-    if (windows(in, row) < 1) break;
-    for (int column = 1; column + 1 < columns_; ++column) {
-      int8_t& value = occupancy.row<int8_t>(row)[column];
-      if (value < occupied_from || !stands(row, column)) continue;
-      int near = -1;  // but itself
-      for (int r = row - 1; r <= row + 1; ++r)
-        for (int c = column - 1; c <= column + 1; ++c) near += stands(r, c);
-      if (near > 0) continue;
+  take(begin);
+  for (size_t i = 0; i < island_.size(); ++i) {
+    const int row = island_[i] / columns_, column = island_[i] % columns_;
+    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r) {
+      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, columns_ - 1); ++c)
+        if (const int cell = r * columns_ + c; !known_[static_cast<size_t>(cell)] && is(cell)) take(cell);
+    }
+  }
+}
+
+/// Whether island_, which begins in that row, is narrow, has hardly more pixels than a window of the matcher, and is seen to its end; where
+/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is.
+bool Occupancy::may_be_false(const Inputs& in, int row, const Image& reason) const noexcept {
+  const int side = config_.image_source.corrsize;
+  int pixels = 0, first = columns_, last = 0;
+  for (const int cell : island_) {
+    const int r = cell / columns_, c = cell % columns_;
+    pixels += obstacles_[static_cast<size_t>(cell)];
+    first = std::min(first, c);
+    last = std::max(last, c);
+    const uint8_t* why = reason.row<uint8_t>(r);
+    for (const int beside : {std::max(c - 1, 0), std::min(c + 1, columns_ - 1)})
+      if (why[beside] == static_cast<uint8_t>(CellReason::out_of_view)) return false;
+  }
+  const double least = least_windows * side * side;
+  const Box farthest = box(in, island_.front() / columns_, island_.front() % columns_);
+  return pixels < least && expected(in, farthest) < least && last - first < windows(in, row);
+}
+
+/// What stands alone in one cell, or has no more pixels than a false match, stays suspected, as much as a cell can be that is none: what is
+/// there in frame after frame adds up. One cell takes twice the pixels, if a few windows are as wide: a false match fills hardly two of
+/// these. What is beside the map is not known.
+void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept {
+  const auto stands = [&](int cell) {
+    return occupancy.row<int8_t>(cell / columns_)[cell % columns_] >= suspected &&
+           reason.row<uint8_t>(cell / columns_)[cell % columns_] == static_cast<uint8_t>(CellReason::obstacle);
+  };
+  std::fill(known_.begin(), known_.end(), uint8_t{0});
+  for (int begin = 0; begin < rows_ * columns_; ++begin) {
+    if (known_[static_cast<size_t>(begin)] || !stands(begin)) continue;
+    find_patch(begin, stands);
+    const int row = begin / columns_, column = begin % columns_;
+    const bool inside = row > 0 && row + 1 < rows_ && column > 0 && column + 1 < columns_;
+    const bool few = may_be_false(in, row, reason);
+    const bool lone = island_.size() == 1 && inside && windows(in, row) >= 1;
+    for (const int cell : island_) {
+      int8_t& value = occupancy.row<int8_t>(cell / columns_)[cell % columns_];
       const int half = static_cast<int>(100 - 10 * std::sqrt(100.0 - value));
-      if (half < occupied_from) value = static_cast<int8_t>(occupied_from - 1);
+      if (value >= occupied_from && (few || (lone && half < occupied_from))) value = static_cast<int8_t>(occupied_from - 1);
     }
   }
 }
@@ -43,19 +82,7 @@ void Occupancy::islands(Image& occupancy, Image& reason) noexcept {
   std::fill(known_.begin(), known_.end(), uint8_t{0});
   for (int begin = 0; begin < rows_ * columns_; ++begin) {
     if (known_[static_cast<size_t>(begin)] || !is_floor(begin)) continue;
-    island_.clear();
-    const auto take = [&](int cell) {
-      known_[static_cast<size_t>(cell)] = 1;
-      island_.push_back(cell);
-    };
-    take(begin);
-    for (size_t i = 0; i < island_.size(); ++i) {
-      const int row = island_[i] / columns_, column = island_[i] % columns_;
-      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r) {
-        for (int c = std::max(column - 1, 0); c <= std::min(column + 1, columns_ - 1); ++c)
-          if (const int cell = r * columns_ + c; !known_[static_cast<size_t>(cell)] && is_floor(cell)) take(cell);
-      }
-    }
+    find_patch(begin, is_floor);
     if (island_.size() >= least_island) continue;
     for (const int cell : island_) {
       occupancy.row<int8_t>(cell / columns_)[cell % columns_] = -1;

@@ -24,7 +24,8 @@ namespace vdisp {
 /// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in as many columns as
 /// a few windows of the matcher are wide, and it goes on along its line; a small patch of floor by itself is a false match, or the top of
 /// something behind a crest; floor up to half a window before what has no texture may be the window's; a cell that shows less than 0.4 of
-/// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels; what is none of this is unknown.
+/// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels, and one of hardly more pixels
+/// than a window of the matcher stays suspected; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -60,7 +61,10 @@ class Occupancy final : public ImageProcessor {
   int seen(int row, int column) const noexcept;
   void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
   double windows(const Inputs& in, int row) const noexcept;
-  void doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) const noexcept;
+  template <class Is>
+  void find_patch(int begin, Is is) noexcept;
+  bool may_be_false(const Inputs& in, int row, const Image& reason) const noexcept;
+  void doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;
   /// Of an edge whose row in this column is `line`: whether floor is seen behind it.

@@ -272,7 +272,7 @@ TEST_F(OccupancyTest, what_rises_from_below_the_floor_is_an_obstacle_only_where_
 }
 
 // As much as a few windows: a false match stands in one cell, what is there in several.
-TEST_F(OccupancyTest, what_stands_in_one_cell_alone_takes_twice_the_pixels) {
+TEST_F(OccupancyTest, what_stands_alone_in_one_cell_or_in_few_pixels_stays_suspected) {
   const auto stands = [&](double half_width, double top = 0.31) {
     see(ground(high));
     stage.reset();
@@ -288,8 +288,10 @@ TEST_F(OccupancyTest, what_stands_in_one_cell_alone_takes_twice_the_pixels) {
     return risk(3.05, 0);
   };
   EXPECT_EQ(stands(0.006), 64) << "as suspect as a cell can be: in frame after frame it adds up";
-  EXPECT_GE(stands(0.006, 0.7), 65) << "a post";
-  EXPECT_GE(stands(0.1), 65);
+  EXPECT_GE(stands(0.03, 0.7), 65) << "a post";
+  EXPECT_EQ(stands(0.15), 64) << "two cells or three, and no more pixels than a false match has";
+  EXPECT_GE(stands(0.15, 0.37), 65);
+  EXPECT_GE(stands(0.25), 65) << "wider than a few windows";
 }
 
 // A step that the rover climbs is floor, also where it is upright.
