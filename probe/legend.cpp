@@ -105,7 +105,8 @@ std::vector<LegendItem> legend(std::string_view topic, const Image& image, const
       items.push_back(one(colours::panel, "unknown"));
       break;
     case Pixel::int8:
-      items.push_back(occupancy_ramp("free", 0, occupied_from - 1));
+      items.push_back(occupancy_ramp("free", 0, free_up_to));
+      items.push_back(occupancy_ramp("suspected", free_up_to + 1, occupied_from - 1));
       items.push_back(occupancy_ramp("obstacle", occupied_from, 100));
       items.push_back(one(occupancy_colour(-1), "unknown"));
       break;

@@ -171,7 +171,8 @@ void FusedMap::add_obstacle(int row, int column, int8_t seen, CellReason why, st
   const int8_t percent = grid_.percent(row, column);
   out[0]->row<int8_t>(row)[column] = percent;
   const bool drop_off = grid_.kind(row, column) == FusedGrid::Kind::drop_off;
-  if (percent >= occupied_from)
+  // What is suspected and not known to be free is no ground that was never looked at.
+  if (percent >= occupied_from || percent < 0)
     out[1]->row<uint8_t>(row)[column] = static_cast<uint8_t>(drop_off ? CellReason::drop_off : CellReason::obstacle);
 }
 

@@ -1,4 +1,4 @@
-// islands.cpp: part of `occupancy`: obstacles of one cell, and patches of floor that nothing leads to.
+// islands.cpp: part of `occupancy`: obstacles of one cell or of few pixels, and patches of floor that nothing leads to.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr int suspected = 50;          // percent: an obstacle that is likely to
 
 }  // namespace
 
-/// The cells that hang together with `begin`, into island_.
+/// The cells that hang together with `begin`, into island_, and marks them in known_.
 template <class Is>
 void Occupancy::find_patch(int begin, Is is) noexcept {
   island_.clear();
@@ -32,28 +32,38 @@ void Occupancy::find_patch(int begin, Is is) noexcept {
   }
 }
 
-/// Whether island_, which begins in that row, is narrow, has hardly more pixels than a window of the matcher, and is seen to its end; where
-/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is.
-bool Occupancy::may_be_false(const Inputs& in, int row, const Image& reason) const noexcept {
+/// Whether what stands in island_ is narrow, has hardly more pixels than a window of the matcher, and is seen to its end. So far off that
+/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is. Of what goes on beyond the map's
+/// far border more is seen when it comes nearer; what is beside the map is not known.
+bool Occupancy::may_be_false(const Inputs& in) noexcept {
   const int side = config_.image_source.corrsize;
-  int pixels = 0, first = columns_, last = 0;
+  int pixels = 0, first = columns_, last = 0, nearest = island_.front();
+  counted_.clear();
   for (const int cell : island_) {
-    const int r = cell / columns_, c = cell % columns_;
-    pixels += obstacles_[static_cast<size_t>(cell)];
-    first = std::min(first, c);
-    last = std::max(last, c);
-    const uint8_t* why = reason.row<uint8_t>(r);
-    for (const int beside : {std::max(c - 1, 0), std::min(c + 1, columns_ - 1)})
-      if (why[beside] == static_cast<uint8_t>(CellReason::out_of_view)) return false;
+    const int row = cell / columns_, column = cell % columns_;
+    first = std::min(first, column);
+    last = std::max(last, column);
+    nearest = std::max(nearest, cell);
+    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r) {
+      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, columns_ - 1); ++c) {
+        const int beside = r * columns_ + c;
+        if (obstacles_[static_cast<size_t>(beside)] == 0 || std::find(counted_.begin(), counted_.end(), beside) != counted_.end()) continue;
+        counted_.push_back(beside);
+        pixels += obstacles_[static_cast<size_t>(beside)];
+      }
+    }
+    if (pixels >= least_windows * side * side) return false;
   }
-  const double least = least_windows * side * side;
-  const Box farthest = box(in, island_.front() / columns_, island_.front() % columns_);
-  return pixels < least && expected(in, farthest) < least && last - first < windows(in, row);
+  const int row = nearest / columns_;
+  if (first == 0 || last == columns_ - 1 || row == rows_ - 1 || last - first + 1 > windows(in, row)) return false;
+  if (least_object(in, box(in, row, nearest % columns_)) >= least_windows * side * side) return false;
+  return std::all_of(island_.begin(), island_.end(),
+                     [&](int cell) { return part_in_view(in, box(in, cell / columns_, cell % columns_)) >= 1; });
 }
 
 /// What stands alone in one cell, or has no more pixels than a false match, stays suspected, as much as a cell can be that is none: what is
 /// there in frame after frame adds up. One cell takes twice the pixels, if a few windows are as wide: a false match fills hardly two of
-/// these. What is beside the map is not known.
+/// these.
 void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept {
   const auto stands = [&](int cell) {
     return occupancy.row<int8_t>(cell / columns_)[cell % columns_] >= suspected &&
@@ -65,7 +75,7 @@ void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reas
     find_patch(begin, stands);
     const int row = begin / columns_, column = begin % columns_;
     const bool inside = row > 0 && row + 1 < rows_ && column > 0 && column + 1 < columns_;
-    const bool few = may_be_false(in, row, reason);
+    const bool few = may_be_false(in);
     const bool lone = island_.size() == 1 && inside && windows(in, row) >= 1;
     for (const int cell : island_) {
       int8_t& value = occupancy.row<int8_t>(cell / columns_)[cell % columns_];

@@ -31,19 +31,22 @@ void MapDriver::collect(const Image& grid, const Image* reason) noexcept {
   looked_at_.clear();
   const GridGeometry& g = grid.grid;
   const float cosine = std::cos(g.pose_yaw), sine = std::sin(g.pose_yaw), half = static_cast<float>(half_width());
-  const float far = static_cast<float>(config_.decide.far), far2 = far * far;
+  const float far = static_cast<float>(config_.decide.far), near = static_cast<float>(config_.decide.near), far2 = far * far,
+              near2 = near * near;
   for (int row = 0; row < grid.spec.height; ++row) {
     const float along = (g.origin_row - static_cast<float>(row) - 0.5f) * g.cell;
     const uint8_t* why = reason ? reason->row<uint8_t>(row) : nullptr;
     for (int column = 0; column < grid.spec.width; ++column) {
       const bool counts = grid.spec.pixel == Pixel::count16;
       const int value = counts ? grid.row<int16_t>(row)[column] : grid.row<int8_t>(row)[column];
-      const bool obstacle = counts ? value >= static_cast<int>(g.min_count) : value >= occupied_from;
+      bool obstacle = counts ? value >= static_cast<int>(g.min_count) : value >= occupied_from;
       if (!obstacle && (!why || !in_sight(why[column]))) continue;
       const float across = (g.origin_column - static_cast<float>(column) - 0.5f) * g.cell;  // to the left
-      const bool suspected = !counts && value > free_up_to;
+      const bool suspected = !counts && (value > free_up_to || (value < 0 && why[column] == static_cast<uint8_t>(CellReason::obstacle)));
       const Cell cell{g.pose_x + along * cosine - across * sine, g.pose_y + along * sine + across * cosine, suspected, value < 0};
-      if (cell.ahead <= 0 || cell.ahead * cell.ahead + cell.left * cell.left > far2) continue;
+      const float away2 = cell.ahead * cell.ahead + cell.left * cell.left;
+      if (cell.ahead <= 0 || away2 > far2) continue;
+      obstacle = obstacle || (suspected && away2 < near2);
       if (obstacle) {
         obstacles_.push_back(cell);
       } else if (std::abs(cell.left) < half) {
@@ -53,7 +56,7 @@ void MapDriver::collect(const Image& grid, const Image* reason) noexcept {
   }
 }
 
-/// Straight ahead; far where there is none. It may be nothing: come slowly, and see more of it.
+/// Straight ahead and beyond near; far where there is none. It may be nothing: come slowly, and see more of it.
 double MapDriver::first_suspected() const noexcept {
   double first = config_.decide.far;
   for (const Cell& cell : looked_at_)
@@ -73,7 +76,7 @@ double MapDriver::first_obstacle(double turned) const noexcept {
   return first;
 }
 
-/// Where the ground near the rover is unknown; far where it is known well enough.
+/// Where the ground near the rover is unknown, or something may stand; far where it is known well enough to be free.
 double MapDriver::first_unknown() const noexcept {
   double nearest = config_.decide.far, first = config_.decide.far;
   for (const Cell& cell : looked_at_) nearest = std::min(nearest, static_cast<double>(cell.ahead));

@@ -11,7 +11,7 @@
 namespace vdisp {
 
 struct MapWay : Way {
-  double corridor_m = 0;  ///< to the first cell of the corridor that is not free, at most [decide] far; from the rover's origin
+  double corridor_m = 0;  ///< to the first obstacle or unknown ground in the corridor, at most [decide] far; from the rover's origin
 };
 
 /// Reacts to one grid, and plans nothing: int8 (occupancy, fused) with the CellReason of each cell, or count16 (map), which knows nothing
@@ -20,8 +20,10 @@ struct MapWay : Way {
 /// The way is free where no obstacle stands in the corridor nearer than [decide] near, and at most a third of the cells there that
 /// can be looked at is unknown: unknown ground near the rover is not free. What lies below the picture or too near for the matcher can
 /// not be looked at; it was when the rover came, and a grid that remembers tells it. Where the nearest cell in view lies beyond near, the
-/// next few decide. Cells in which something may stand (between free_up_to and occupied_from) are no obstacles to turn from yet: they count
-/// as unknown, and it comes near them as slowly as near an obstacle, until enough is seen of them.
+/// next few decide.
+///
+/// Cells in which something may stand (between free_up_to and occupied_from; of a grid that remembers those that are unknown because of an
+/// obstacle) lower the clearness as obstacles do, and so the speed; nearer than near they are obstacles.
 ///
 /// Evades to the side on which, turning, the first free corridor is found; of equals where the corridors reach farther, else left.
 class MapDriver {

@@ -8,10 +8,8 @@
 namespace vdisp {
 namespace {
 
-constexpr double object_of_step = 0.5;  // the least object is this part of max_height higher than max_height
-constexpr double share_for_e = 0.24;    // pixels seen, of those expected, for 1 - 1 / e, where floor is seen beside them
-constexpr double share_alone = 0.06;    // the same where none is
-constexpr double least_part = 0.15;     // of the least object, that is taken to be inside the picture
+constexpr double share_for_e = 0.24;  // pixels seen, of those expected, for 1 - 1 / e, where floor is seen beside them
+constexpr double share_alone = 0.06;  // the same where none is
 constexpr int occupied = occupied_from;
 constexpr int least_weak = 50;                                                                // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, least_free = 0.4, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
@@ -61,6 +59,7 @@ std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
   partly_.assign(obstacles_.size(), CellReason::floor);
   edges_.assign(static_cast<size_t>(columns_), -1);
   island_.reserve(obstacles_.size());
+  counted_.reserve(obstacles_.size());
   scratch_ = kernels::GroundScratch(in[0].width, static_cast<int>(disparities));
   const ImageSpec grid{Pixel::int8, 0, static_cast<uint16_t>(columns_), static_cast<uint16_t>(rows_)};
   return {grid, {Pixel::gray8, 0, grid.width, grid.height}};
@@ -96,8 +95,8 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) judge(inputs, row, column, *out[0], *out[1]);
   }
-  doubt_lone(inputs, *out[0], *out[1]);
   shade(inputs, *out[0], *out[1]);
+  doubt_lone(inputs, *out[0], *out[1]);
   drop_offs(inputs, *out[0], *out[1]);
   join_edges(*out[0], *out[1]);
   refuse_lone_edges(inputs, *out[0], *out[1]);
@@ -175,21 +174,6 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
   if (untextured < 2) return;
   tally.why[static_cast<size_t>(CellReason::no_texture)] += tally.floor;
   tally.floor = 0;
-}
-
-/// Of the least object what lies inside the part of the picture that can be matched.
-double Occupancy::expected(const Inputs& in, const Box& box) const noexcept {
-  const double per_metre = (box.d_far + box.d_near) / 2 / in.view.baseline;  // px
-  const double step = config_.limit.max_height * per_metre, tall = object_of_step * step, wide = config_.map.cell * per_metre;
-  const auto inside = [](double first, double last, double from, double to) {
-    return std::max(std::min(last, to) - std::max(first, from), 0.0) / std::max(last - first, 1e-6);
-  };
-  const int reach = config_.image_source.corrsize / 2;
-  const double bottom = (box.top + box.bottom) / 2 - step;
-  const double part = inside(box.left, box.right, in.disparity.camera.min_disparity + in.disparity.camera.disparities - 1 + reach,
-                             in.disparity.spec.width - reach) *
-                      inside(bottom - tall, bottom, reach, in.disparity.spec.height - reach);
-  return wide * tall * std::max(part, least_part);
 }
 
 int Occupancy::seen(int row, int column) const noexcept {

@@ -24,8 +24,8 @@ namespace vdisp {
 /// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in as many columns as
 /// a few windows of the matcher are wide, and it goes on along its line; a small patch of floor by itself is a false match, or the top of
 /// something behind a crest; floor up to half a window before what has no texture may be the window's; a cell that shows less than 0.4 of
-/// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels, and one of hardly more pixels
-/// than a window of the matcher stays suspected; what is none of this is unknown.
+/// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels, and a narrow one of hardly more
+/// pixels than a window of the matcher, so far off that the least object has no more, stays suspected; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -57,13 +57,16 @@ class Occupancy final : public ImageProcessor {
   };
   Box box(const Inputs& in, int row, int column) const noexcept;
   void look(const Inputs& in, const Box& box, Tally& tally) const noexcept;
+  /// Pixels of the least object that stands in a cell; which part of it lies where the picture can be matched; and how many pixels that is.
+  double least_object(const Inputs& in, const Box& box) const noexcept;
+  double part_in_view(const Inputs& in, const Box& box) const noexcept;
   double expected(const Inputs& in, const Box& box) const noexcept;
   int seen(int row, int column) const noexcept;
   void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
   double windows(const Inputs& in, int row) const noexcept;
   template <class Is>
   void find_patch(int begin, Is is) noexcept;
-  bool may_be_false(const Inputs& in, int row, const Image& reason) const noexcept;
+  bool may_be_false(const Inputs& in) noexcept;
   void doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;
@@ -94,8 +97,8 @@ class Occupancy final : public ImageProcessor {
   kernels::GroundScratch scratch_;
   std::vector<int16_t> all_limit_, obstacles_, overhangs_;  // limit that everything is above; counts by cell
   std::vector<Beyond> beyond_;
-  std::vector<int> edges_;   // by column: the row where a drop-off begins, -1: none
-  std::vector<int> island_;  // cells of one patch of floor
+  std::vector<int> edges_;             // by column: the row where a drop-off begins, -1: none
+  std::vector<int> island_, counted_;  // cells of one patch; and of those beside them
   std::vector<uint8_t> known_;
   std::vector<CellReason> partly_;  // of a cell that shows a little floor: what else it shows; floor: no such cell
   int rows_ = 0, columns_ = 0;

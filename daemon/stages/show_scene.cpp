@@ -10,7 +10,6 @@ namespace {
 
 constexpr uint8_t free_ground[] = {60, 220, 90}, blocked[] = {255, 60, 40}, hole[] = {200, 80, 255}, white[] = {255, 255, 255},
                   blue[] = {80, 160, 255}, yellow[] = {255, 220, 60};
-constexpr int most_free = 40;  // percent, as docs/wire-format.md has it
 
 void mix(uint8_t* pixel, const uint8_t (&colour)[3], int of_16) {
   for (int i = 0; i < 3; ++i) pixel[i] = static_cast<uint8_t>((pixel[i] * (16 - of_16) + colour[i] * of_16) / 16);
@@ -95,7 +94,7 @@ void ShowScene::tint(const View& view, const Image& occupancy, const Image& surf
       const int percent = occupancy.row<int8_t>(r)[c];
       if (percent >= occupied_from) {
         mix(pixel, blocked, 6);
-      } else if (percent >= 0 && percent <= most_free) {
+      } else if (percent >= 0 && percent <= free_up_to) {
         mix(pixel, free_ground, 5);
       }
       // Dotted along full metres aside.

@@ -63,7 +63,7 @@ struct CrossCheck {
   uint32_t map_free;   ///< 1: the map's corridor is free as far as `corridor_m`
   uint32_t snow_free;  ///< 1: the classifier says free
   uint32_t unused;
-  double corridor_m;     ///< to the first cell of the corridor that is not free
+  double corridor_m;     ///< to the first obstacle or unknown ground in the corridor
   double disagreeing_s;  ///< without a pause, until now
   uint64_t agreed, only_map_free, only_snow_free;
 };

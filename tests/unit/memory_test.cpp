@@ -149,6 +149,25 @@ struct MemoryTest : testing::Test {
   }
 };
 
+TEST_F(MemoryTest, what_is_suspected_is_told_as_in_sight_and_is_an_obstacle_when_it_was_seen_again) {
+  stand(1);
+  fuse->stage->begin_anew();
+  const auto once = [&] {
+    Picture &percent = *occupancy->out[0], &reason = *occupancy->out[1];
+    const auto there = [](int row, int column) { return std::abs(row - 30) <= 1 && std::abs(column - 25) <= 1; };
+    percent.fill<int8_t>([&](int row, int column) { return static_cast<int8_t>(there(row, column) ? 64 : -1); });
+    reason.fill<uint8_t>(
+        [&](int row, int column) { return static_cast<uint8_t>(there(row, column) ? CellReason::obstacle : CellReason::out_of_view); });
+    fuse->step();
+  };
+  once();
+  EXPECT_EQ(fused(1.95, 0), -1);
+  EXPECT_EQ(why(1.95, 0), CellReason::obstacle);
+  EXPECT_EQ(why(2.45, 0), CellReason::out_of_view);
+  once();
+  EXPECT_GE(fused(1.95, 0), occupied_from);
+}
+
 TEST_F(MemoryTest, an_obstacle_is_kept_where_it_is_when_it_left_the_view) {
   world.boxes = {{3.0, 0.5, 0.3, 0.3, 0.5}};
   stand(4);

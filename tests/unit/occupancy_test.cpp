@@ -126,27 +126,30 @@ TEST_F(OccupancyTest, what_rises_from_below_the_floor_is_an_obstacle_only_where_
   }
 }
 
-// As much as a few windows: a false match stands in one cell, what is there in several.
+// A false match is of a window or so. 181 pixels are one and a half.
 TEST_F(OccupancyTest, what_stands_alone_in_one_cell_or_in_few_pixels_stays_suspected) {
-  const auto stands = [&](double half_width, double top = 0.31) {
+  const auto stands = [&](double half_width, double top = 0.31, double at = 3.05) {
     see(ground(high));
     stage.reset();
     EXPECT_EQ(find(), Outcome::valid);
     // 0.25 to 0.31 m over the floor, where nothing else is matched.
     disparity.fill<int16_t>([&](int v, int u) {
       const Point h = horizontal({(u - view.cx) / view.f, (v - view.cy) / view.f, 1}, pitch);
-      const double z = 3.05 / h.z, up = high - h.y * z, flat = ground(high)({(u - view.cx) / view.f, (v - view.cy) / view.f, 1});
+      const double z = at / h.z, up = high - h.y * z, flat = ground(high)({(u - view.cx) / view.f, (v - view.cy) / view.f, 1});
       if (up > 0.25 && up < top && std::abs(h.x * z) < half_width) return static_cast<int16_t>(std::lround(16 * view.disparity(z)));
-      return flat > 0 && flat * h.z < 2.2 ? static_cast<int16_t>(std::lround(16 * view.disparity(flat))) : rejected(Rejected::not_unique);
+      return flat > 0 && flat * h.z < at - 0.85 ? static_cast<int16_t>(std::lround(16 * view.disparity(flat)))
+                                                : rejected(Rejected::not_unique);
     });
     map();
-    return risk(3.05, 0);
+    return risk(at, 0);
   };
   EXPECT_EQ(stands(0.006), 64) << "as suspect as a cell can be: in frame after frame it adds up";
+  EXPECT_EQ(stands(0.006, 0.7), 64) << "so thin a post, and nothing else of it: 43 pixels, until it is nearer";
   EXPECT_GE(stands(0.03, 0.7), 65) << "a post";
-  EXPECT_EQ(stands(0.15), 64) << "two cells or three, and no more pixels than a false match has";
+  EXPECT_EQ(stands(0.12), 64) << "a few cells, and no more pixels than a false match has";
   EXPECT_GE(stands(0.15, 0.37), 65);
-  EXPECT_GE(stands(0.25), 65) << "wider than a few windows";
+  EXPECT_GE(stands(0.35, 0.27), 65) << "130 pixels, but wider than a few windows";
+  EXPECT_GE(stands(0.03, 0.31, 1.55), 65) << "the least object has more pixels there";
 }
 
 // A step that the rover climbs is floor, also where it is upright.
