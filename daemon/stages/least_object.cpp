@@ -8,7 +8,7 @@ namespace vdisp {
 namespace {
 
 constexpr double object_of_step = 0.5;  // the least object is this part of max_height higher than max_height
-constexpr double least_part = 0.15;  // of the least object, that is taken to be inside the picture
+constexpr double least_part = 0.15;     // of the least object, that is taken to be inside the picture
 
 }  // namespace
 
