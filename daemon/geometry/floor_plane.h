@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "daemon/geometry/frames.h"
@@ -18,8 +19,9 @@ struct FloorPlane {
   double horizon(const StereoView& view) const { return view.cy - middle / down; }
 };
 
-/// Of the camera's height: so much nearer or farther the plane of a ramp ahead may be.
-inline constexpr double height_of_ramp = 0.35;
+/// By what part of the camera's height the plane of a ramp ahead may lie higher or lower under the camera, the ramp `slope` rad steep: it
+/// begins at most where ground is first seen, up to 1.5 camera heights ahead, and is led on to the rover from there.
+inline double height_of_ramp(double slope) { return std::clamp(1.5 * std::tan(std::abs(slope)), 0.35, 0.45); }
 
 struct PlanePose {
   double pitch, roll, height;  ///< rad, positive: looks down, right side low; m

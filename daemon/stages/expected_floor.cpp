@@ -82,9 +82,8 @@ bool FloorExpectation::doubtful(const Image& view) noexcept {
 bool FloorExpectation::contradicts(const FloorModel& last) const noexcept {
   if (!last.mounting_differs) return false;
   if (last.model == FloorKind::line) return true;
-  const double height = config_.mounting.height;
-  return std::abs(last.pitch_rad - config_.expected_pitch()) > config_.floor.maxSlope ||
-         std::abs(last.height_m - height) > height_of_ramp * height;
+  const double height = config_.mounting.height, slope = last.pitch_rad - config_.expected_pitch();
+  return std::abs(slope) > config_.floor.maxSlope || std::abs(last.height_m - height) > height_of_ramp(slope) * height;
 }
 
 /// From row to row upwards, along the profile; where what lies ahead is hidden by a crest, on to what is seen behind it. Beyond what was

@@ -84,8 +84,9 @@ bool PlaneSearch::within_mounting(const PlanePose& pose) const {
 bool PlaneSearch::drivable(const PlanePose& pose) const {
   const auto& m = config_.mounting;
   const double steepest = config_.floor.maxSlope + m.pitchTolerance;
-  return std::abs(pose.height / m.height - 1) <= std::max(height_of_ramp, 1.5 * m.heightTolerance) &&
-         std::abs(pose.roll - m.roll) <= steepest && std::abs(pose.pitch - config_.expected_pitch()) <= steepest;
+  const double slope = pose.pitch - config_.expected_pitch();
+  return std::abs(slope) <= steepest && std::abs(pose.roll - m.roll) <= steepest &&
+         std::abs(pose.height / m.height - 1) <= std::max(height_of_ramp(slope), 1.5 * m.heightTolerance);
 }
 
 std::optional<FloorPlane> PlaneSearch::through_three(Random& random) const {

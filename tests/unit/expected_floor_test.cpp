@@ -97,6 +97,21 @@ TEST_F(ExpectedFloorTest, a_ramp_is_expected_though_the_mounting_contradicts_it_
   expect_near(expectation.expect(view.image(), &last), up);  // a table beside it, say
 }
 
+// 15 degrees steep from 1.35 camera heights ahead on: its plane lies 0.36 of the camera's height nearer to the camera.
+TEST_F(ExpectedFloorTest, a_ramp_is_expected_also_where_its_plane_is_led_on_far_to_the_rover) {
+  const double slope = 0.2618;
+  mount(up / (1 - 1.35 * std::tan(slope)));
+  config.mounting.pitch = pitch + slope;
+  last.model = FloorKind::profile;
+  last.mounting_differs = 1;
+  FloorExpectation expectation(config);
+  expect_near(expectation.expect(view.image(), &last), up);
+  config.mounting.pitch = pitch + 0.2;  // so steep a ramp would have to begin farther off than the ground that is seen first
+  const auto mounted = expectation.expect(view.image(), &last);
+  ASSERT_TRUE(mounted);
+  EXPECT_GT(std::abs(mounted->row(200).at(160) / 16.0 - truth(200, 160)), 1);
+}
+
 /// Ground that is level up to `foot` m ahead, then rises by `slope`, and from `top` on is level again: what the pixel's ray meets first.
 double on_ramp(double v, double foot, double slope, double top) {
   const Point ray = horizontal({0, (v - cy) / f, 1}, pitch, 0);
