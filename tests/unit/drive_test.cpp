@@ -1,15 +1,13 @@
-// drive_test.cpp: from what the detectors say to speed and turn rate: the state machine, the map's corridor, the cross-check, the command.
+// drive_test.cpp: from what the detectors say to speed and turn rate: the state machine, the cross-check, the command.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/drive.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "daemon/stages/cross_check.h"
 #include "daemon/stages/decide.h"
 #include "tests/support/count_allocations.h"
-#include "tests/support/picture.h"
+#include "tests/unit/way_map.h"
 
 namespace vdisp {
 namespace {
@@ -68,132 +66,6 @@ TEST(SteeringMachine, time_may_begin_anew) {
   machine.step(free_way, 0, 1, 0);
   EXPECT_EQ(machine.since_s(), 0);
   EXPECT_EQ(machine.step(left_of_it, 5000 * ms, 1, 0), Steering::turn_left);
-}
-
-/// A map of 5 x 5.1 m ahead of the rover: from 0.4 m on in view, and free.
-struct MapDriverTest : testing::Test {
-  static constexpr int rows = 50, columns = 51;
-  Config config;
-  Picture grid{Pixel::int8, columns, rows}, reason{Pixel::gray8, columns, rows};
-
-  MapDriverTest() {
-    config.decide.width = 0.4;
-    config.decide.margin = 0.1;
-    config.decide.near = 1;
-    config.decide.far = 3;
-    for (Picture* picture : {&grid, &reason}) picture->image().grid = {0.1f, rows, columns / 2.f, -1, 1, 3, 0, 0, 0, 0};
-    reason.fill<uint8_t>([](int row, int) { return static_cast<uint8_t>(row < rows - 4 ? CellReason::floor : CellReason::out_of_view); });
-    grid.fill<int8_t>([](int row, int) { return static_cast<int8_t>(row < rows - 4 ? 0 : -1); });
-  }
-  /// The cell whose middle is `ahead` and `left` in m.
-  void put(double ahead, double left, int value, CellReason why) {
-    const int row = rows - 1 - static_cast<int>(ahead / 0.1), column = static_cast<int>(std::floor(-left / 0.1 + columns / 2.0));
-    grid.at<int8_t>(row, column) = static_cast<int8_t>(value);
-    reason.at<uint8_t>(row, column) = static_cast<uint8_t>(why);
-  }
-  void obstacle(double ahead, double left) { put(ahead, left, 90, CellReason::obstacle); }
-  MapWay look() {
-    MapDriver driver(config);
-    driver.prepare(grid.spec());
-    return driver.look(grid.image(), &reason.image());
-  }
-};
-
-TEST_F(MapDriverTest, bare_ground_is_free_and_clear) {
-  const MapWay way = look();
-  EXPECT_TRUE(way.free);
-  EXPECT_EQ(way.clearness, 1);
-  EXPECT_EQ(way.corridor_m, 3);
-}
-
-TEST_F(MapDriverTest, the_nearest_obstacle_in_the_corridor_ends_it) {
-  obstacle(2.55, 0);
-  obstacle(2.05, 0.25);
-  obstacle(1.55, 0.4);  // beside it: 0.2 + 0.1 m
-  const MapWay way = look();
-  EXPECT_NEAR(way.corridor_m, 2.05, 1e-6);
-  EXPECT_TRUE(way.free);
-  EXPECT_NEAR(way.clearness, 1.05 / 2, 1e-6);
-  config.decide.margin = 0.25;
-  EXPECT_NEAR(look().corridor_m, 1.55, 1e-6);
-  config.decide.margin = 0;
-  EXPECT_NEAR(look().corridor_m, 2.55, 1e-6);
-}
-
-TEST_F(MapDriverTest, what_is_nearer_than_near_is_turned_from_to_the_freer_side) {
-  obstacle(0.95, 0.1);
-  EXPECT_FALSE(look().free);
-  EXPECT_EQ(look().clearness, 0);
-  EXPECT_FALSE(look().left) << "it stands more to the left";
-  for (double right = 0; right < 1.2; right += 0.1) obstacle(0.95, -right - 0.05);
-  EXPECT_TRUE(look().left);
-}
-
-TEST_F(MapDriverTest, unknown_ground_near_the_rover_is_not_free) {
-  for (double ahead = 0.45; ahead < 1; ahead += 0.1)
-    for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, -1, CellReason::no_texture);
-  EXPECT_FALSE(look().free);
-  // Far ones, few ones, and those that the camera does not look at, say nothing.
-  for (const CellReason why : {CellReason::out_of_view, CellReason::too_near}) {
-    for (double ahead = 0.45; ahead < 0.8; ahead += 0.1)
-      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, -1, why);
-    for (double ahead = 0.85; ahead < 1.2; ahead += 0.1)
-      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, 0, CellReason::floor);
-    put(0.95, 0.05, -1, CellReason::no_texture);
-    EXPECT_TRUE(look().free) << name(why);
-  }
-}
-
-TEST_F(MapDriverTest, what_may_stand_there_is_come_near_to_slowly_and_turned_from_when_near) {
-  put(1.55, 0, 64, CellReason::obstacle);
-  EXPECT_TRUE(look().free) << "little is seen of it: nothing to turn from yet";
-  EXPECT_NEAR(look().clearness, 0.55 / 2, 1e-6);
-  EXPECT_EQ(look().corridor_m, 3);
-  put(1.55, 0, 41, CellReason::floor);
-  EXPECT_NEAR(look().clearness, 0.55 / 2, 1e-6);
-  put(1.55, 0, -1, CellReason::obstacle);
-  EXPECT_NEAR(look().clearness, 0.55 / 2, 1e-6) << "a map that remembers has seen too little of it";
-  put(1.55, 0, 40, CellReason::floor);
-  EXPECT_EQ(look().clearness, 1);
-  put(1.55, 0.45, 64, CellReason::obstacle);
-  EXPECT_EQ(look().clearness, 1) << "beside the corridor";
-  put(0.95, 0.1, 41, CellReason::floor);
-  EXPECT_FALSE(look().free);
-  EXPECT_FALSE(look().left) << "it stands more to the left";
-}
-
-TEST_F(MapDriverTest, with_no_ground_in_sight_nothing_is_free) {
-  grid.fill<int8_t>([](int, int) { return int8_t{-1}; });
-  reason.fill<uint8_t>([](int, int) { return static_cast<uint8_t>(CellReason::out_of_view); });
-  EXPECT_FALSE(look().free);
-}
-
-TEST_F(MapDriverTest, the_grid_may_lie_otherwise_than_the_rover) {
-  reason.fill<uint8_t>([](int, int) { return static_cast<uint8_t>(CellReason::floor); });
-  grid.fill<int8_t>([](int, int) { return int8_t{0}; });
-  obstacle(2.05, 0);
-  obstacle(0.15, -2.4);
-  // The grid's origin 0.5 m before the rover's.
-  grid.image().grid.pose_x = 0.5f;
-  EXPECT_NEAR(look().corridor_m, 2.55, 1e-6);
-  // The grid is turned to the left by a right angle: what is ahead in it stands to the rover's left, what is to its right is ahead.
-  grid.image().grid.pose_x = 0;
-  grid.image().grid.pose_yaw = static_cast<float>(M_PI / 2);
-  EXPECT_NEAR(look().corridor_m, 2.4, 1e-6);
-  grid.image().grid.pose_yaw = 0;
-  grid.image().grid.pose_y = 1;
-  EXPECT_EQ(look().corridor_m, 3);
-}
-
-TEST_F(MapDriverTest, the_papers_counts_are_obstacles_from_min_count_on) {
-  Picture counts(Pixel::count16, columns, rows);
-  counts.image().grid = grid.image().grid;
-  counts.at<int16_t>(rows - 1 - 8, columns / 2) = 2;
-  MapDriver driver(config);
-  driver.prepare(counts.spec());
-  EXPECT_TRUE(driver.look(counts.image(), nullptr).free);
-  counts.at<int16_t>(rows - 1 - 8, columns / 2) = 3;
-  EXPECT_NEAR(driver.look(counts.image(), nullptr).corridor_m, 0.85, 1e-6);
 }
 
 /// Decision, cross-check and command of both detectors' images.
