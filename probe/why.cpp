@@ -75,8 +75,8 @@ void tell_verdict(const Frame& frame, const MapCell& cell, Account& account) {
   account.line("cell", format("row %d  column %d   z %.2f m  x %+.2f m   %.2f m away, bearing %+.0f deg", cell.row, cell.column, place.z,
                               place.x, place.distance(), place.bearing_deg()));
   account.line("verdict", std::string(name(why)) + ": " + std::string(describe(why)));
-  account.line("occupancy", (percent < 0 ? "unknown" : std::to_string(percent) + " %") + "   (an obstacle from " +
-                                std::to_string(occupied_from) + " % on)");
+  account.line("occupancy", (percent < 0 ? "unknown" : std::to_string(percent) + " %") + "   (free up to " + std::to_string(free_up_to) +
+                                " %, an obstacle from " + std::to_string(occupied_from) + " % on)");
   account.line("map",
                format("%d points   (an obstacle from %u on); with its nearer and farther neighbours %d", points, grid.min_count, around));
   account.json["cell"] = {{"row", cell.row},
@@ -87,6 +87,7 @@ void tell_verdict(const Frame& frame, const MapCell& cell, Account& account) {
                           {"bearing_deg", rounded(place.bearing_deg())},
                           {"verdict", name(why)},
                           {"occupancy", percent < 0 ? ordered_json(nullptr) : ordered_json(percent)},
+                          {"free_up_to", free_up_to},
                           {"occupied_from", occupied_from},
                           {"points", points},
                           {"points_around", around},

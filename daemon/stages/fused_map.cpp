@@ -148,7 +148,7 @@ void FusedMap::take(const Frame& frame, const Window& area, SeenThrough& rays, s
 /// One cell, `in_h` its middle: to the right and ahead.
 void FusedMap::weigh(int row, int column, int8_t seen, CellReason why, const OnGround& in_h, const SeenThrough& rays,
                      std::span<Image* const> out) noexcept {
-  if (seen >= even) return add_obstacle(row, column, seen, why, out);
+  if (seen > free_up_to) return add_obstacle(row, column, seen, why, out);
   const bool remembered = grid_.is_obstacle(row, column);
   const auto believed = [&] { return !rays.too_near(in_h.x, in_h.y) && !rays.hidden(in_h.x, in_h.y); };
   if (seen >= 0) {
@@ -165,15 +165,22 @@ void FusedMap::weigh(int row, int column, int8_t seen, CellReason why, const OnG
   if (percent < 0 ? !known(why) : floor && seen >= 0) reason = static_cast<uint8_t>(why);
 }
 
+/// Also where something may stand. What is likelier floor than that, up to `even`, is no evidence at all: not against an obstacle, as the
+/// same pixels in frame after frame are no more ground than in one; nor for one, as rough ground would become an obstacle if only looked at
+/// for long.
 void FusedMap::add_obstacle(int row, int column, int8_t seen, CellReason why, std::span<Image* const> out) noexcept {
   const auto kind = why == CellReason::drop_off ? FusedGrid::Kind::drop_off : FusedGrid::Kind::obstacle;
-  grid_.add(row, column, for_obstacle * static_cast<float>(seen - even) / even, kind);
+  if (seen > even) grid_.add(row, column, for_obstacle * static_cast<float>(seen - even) / even, kind);
   const int8_t percent = grid_.percent(row, column);
   out[0]->row<int8_t>(row)[column] = percent;
-  const bool drop_off = grid_.kind(row, column) == FusedGrid::Kind::drop_off;
+  uint8_t& reason = out[1]->row<uint8_t>(row)[column];
   // What is suspected and not known to be free is no ground that was never looked at.
-  if (percent >= occupied_from || percent < 0)
-    out[1]->row<uint8_t>(row)[column] = static_cast<uint8_t>(drop_off ? CellReason::drop_off : CellReason::obstacle);
+  if (percent >= occupied_from || percent < 0) {
+    const bool drop_off = grid_.kind(row, column) == FusedGrid::Kind::drop_off;
+    reason = static_cast<uint8_t>(drop_off ? CellReason::drop_off : CellReason::obstacle);
+  } else if (why == CellReason::floor) {
+    reason = static_cast<uint8_t>(why);
+  }
 }
 
 /// Where the grids are turned against each other by 45 degrees a cell may lie between all middles.

@@ -15,8 +15,9 @@ namespace vdisp {
 ///
 /// Each cell of the grid asks the frame's cell in which its middle lies, so that nothing is resampled twice, and no cell stays empty where
 /// the grids are turned against each other; obstacle cells that no middle lies in are added where their own middle lies. Obstacles and
-/// drop-offs speak for, floor against; what is unknown in the frame says nothing, but where an obstacle is remembered and rays passed
-/// through it. Nothing speaks against an obstacle nearer than can be matched, nor against what lies behind such a one.
+/// drop-offs speak for, free ground (up to free_up_to) against; between them what is likelier an obstacle speaks for, the rest says
+/// nothing. What is unknown in the frame says nothing, but where an obstacle is remembered and rays passed through it. Nothing speaks
+/// against an obstacle nearer than can be matched, nor against what lies behind such a one.
 ///
 /// Without memory (Memory::state) the cells are those of the frame, along the camera's axes, and the flag `memory` is not set.
 class FusedMap final : public ImageProcessor {

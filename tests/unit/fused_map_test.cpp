@@ -7,23 +7,65 @@
 namespace vdisp {
 namespace {
 
-TEST_F(MemoryTest, what_is_suspected_is_told_as_in_sight_and_is_an_obstacle_when_it_was_seen_again) {
-  stand(1);
-  fuse->stage->begin_anew();
-  const auto once = [&] {
+/// Nine cells about 1.95 m ahead that say what a test gives them, in a frame that sees nothing else.
+struct FusedPatchTest : MemoryTest {
+  void begin() {
+    stand(1);
+    fuse->stage->begin_anew();
+  }
+  void see_patch(int value, CellReason told, int frames = 1) {
     Picture &percent = *occupancy->out[0], &reason = *occupancy->out[1];
     const auto there = [](int row, int column) { return std::abs(row - 30) <= 1 && std::abs(column - 25) <= 1; };
-    percent.fill<int8_t>([&](int row, int column) { return static_cast<int8_t>(there(row, column) ? 64 : -1); });
-    reason.fill<uint8_t>(
-        [&](int row, int column) { return static_cast<uint8_t>(there(row, column) ? CellReason::obstacle : CellReason::out_of_view); });
-    fuse->step();
-  };
-  once();
+    percent.fill<int8_t>([&](int row, int column) { return static_cast<int8_t>(there(row, column) ? value : -1); });
+    reason.fill<uint8_t>([&](int row, int column) { return static_cast<uint8_t>(there(row, column) ? told : CellReason::out_of_view); });
+    for (int i = 0; i < frames; ++i) fuse->step();
+  }
+};
+
+TEST_F(FusedPatchTest, what_is_suspected_is_told_as_in_sight_and_is_an_obstacle_when_it_was_seen_again) {
+  begin();
+  see_patch(64, CellReason::obstacle);
   EXPECT_EQ(fused(1.95, 0), -1);
   EXPECT_EQ(why(1.95, 0), CellReason::obstacle);
   EXPECT_EQ(why(2.45, 0), CellReason::out_of_view);
-  once();
+  see_patch(64, CellReason::obstacle);
   EXPECT_GE(fused(1.95, 0), occupied_from);
+}
+
+TEST_F(FusedPatchTest, what_is_suspected_and_likelier_floor_adds_up_to_nothing) {
+  for (const int value : {free_up_to + 1, 45, 49}) {
+    begin();
+    see_patch(value, CellReason::floor, 50);
+    EXPECT_EQ(fused(1.95, 0), -1) << value << ": no free ground, however often, and no obstacle";
+    EXPECT_EQ(why(1.95, 0), CellReason::obstacle) << value;
+  }
+  begin();
+  see_patch(free_up_to, CellReason::floor, 50);
+  EXPECT_EQ(fused(1.95, 0), 0);
+}
+
+TEST_F(FusedPatchTest, ground_that_was_seen_free_stays_so_where_little_is_suspected) {
+  begin();
+  see_patch(0, CellReason::floor, 5);
+  see_patch(49, CellReason::floor, 10);
+  EXPECT_EQ(fused(1.95, 0), 0);
+  EXPECT_EQ(why(1.95, 0), CellReason::floor) << "it is seen, and not only remembered";
+  see_patch(64, CellReason::floor);
+  EXPECT_GE(fused(1.95, 0), 0);
+  EXPECT_EQ(why(1.95, 0), CellReason::floor);
+}
+
+TEST_F(FusedPatchTest, a_lone_sure_frame_makes_free_ground_unknown_because_of_an_obstacle_until_the_next) {
+  for (const auto& [value, told] : {std::pair{90, CellReason::obstacle}, {100, CellReason::obstacle}, {100, CellReason::drop_off}}) {
+    begin();
+    see_patch(0, CellReason::floor, 5);
+    see_patch(value, told);
+    EXPECT_EQ(fused(1.95, 0), -1) << value;
+    EXPECT_EQ(why(1.95, 0), told) << value;
+    see_patch(0, CellReason::floor);
+    EXPECT_GE(fused(1.95, 0), 0) << value;
+    EXPECT_LE(fused(1.95, 0), 30) << value;
+  }
 }
 
 TEST_F(MemoryTest, an_obstacle_is_kept_where_it_is_when_it_left_the_view) {

@@ -167,7 +167,10 @@ TEST(Paint, occupancy_jumps_where_a_cell_becomes_an_obstacle_and_is_grey_where_n
   give_grid(outlet.loan());
   set<int8_t>(outlet.loan(), 30, 29, 80);
   EXPECT_EQ(read_out("occupancy", outlet.loan(), 30, 29), "row 29  column 30   80 % occupied  z 2.05 m  x +0.50 m  (cell of 0.10 m)");
-  EXPECT_EQ(legend("occupancy", outlet.loan(), {}).size(), 4u) << "free, suspected, obstacle, unknown";
+  const auto items = legend("occupancy", outlet.loan(), {});
+  ASSERT_EQ(items.size(), 4u) << "free, suspected, obstacle, unknown";
+  EXPECT_EQ(items[1].from, "suspected 41");
+  EXPECT_EQ(items[1].to, "64 %");
 }
 
 TEST(Paint, more_votes_are_never_darker_and_one_vote_is_visible) {
