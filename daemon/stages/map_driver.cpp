@@ -18,74 +18,71 @@ bool in_sight(uint8_t reason) {
   return why != CellReason::out_of_view && why != CellReason::too_near && why != CellReason::overhang;
 }
 
+/// Why an unknown cell is suspected.
+bool stands(uint8_t reason) {
+  const auto why = static_cast<CellReason>(reason);
+  return why == CellReason::obstacle || why == CellReason::drop_off;
+}
+
 }  // namespace
 
 void MapDriver::prepare(const ImageSpec& grid) {
   const size_t cells = static_cast<size_t>(grid.width) * grid.height;
   obstacles_.reserve(cells);
-  looked_at_.reserve(cells);
+  ground_.reserve(cells);
 }
 
 void MapDriver::collect(const Image& grid, const Image* reason) noexcept {
   obstacles_.clear();
-  looked_at_.clear();
+  ground_.clear();
   const GridGeometry& g = grid.grid;
   const float cosine = std::cos(g.pose_yaw), sine = std::sin(g.pose_yaw), half = static_cast<float>(half_width());
-  const float far = static_cast<float>(config_.decide.far), near = static_cast<float>(config_.decide.near), far2 = far * far,
-              near2 = near * near;
+  const float far = static_cast<float>(config_.decide.far), far2 = far * far;
   for (int row = 0; row < grid.spec.height; ++row) {
     const float along = (g.origin_row - static_cast<float>(row) - 0.5f) * g.cell;
     const uint8_t* why = reason ? reason->row<uint8_t>(row) : nullptr;
     for (int column = 0; column < grid.spec.width; ++column) {
       const bool counts = grid.spec.pixel == Pixel::count16;
       const int value = counts ? grid.row<int16_t>(row)[column] : grid.row<int8_t>(row)[column];
-      bool obstacle = counts ? value >= static_cast<int>(g.min_count) : value >= occupied_from;
+      const bool obstacle = counts ? value >= static_cast<int>(g.min_count) : value >= occupied_from;
       if (!obstacle && (!why || !in_sight(why[column]))) continue;
       const float across = (g.origin_column - static_cast<float>(column) - 0.5f) * g.cell;  // to the left
-      const bool suspected = !counts && (value > free_up_to || (value < 0 && why[column] == static_cast<uint8_t>(CellReason::obstacle)));
+      const bool suspected = !obstacle && (value > free_up_to || (value < 0 && stands(why[column])));
       const Cell cell{g.pose_x + along * cosine - across * sine, g.pose_y + along * sine + across * cosine, suspected, value < 0};
-      const float away2 = cell.ahead * cell.ahead + cell.left * cell.left;
-      if (cell.ahead <= 0 || away2 > far2) continue;
-      obstacle = obstacle || (suspected && away2 < near2);
-      if (obstacle) {
+      if (cell.ahead <= 0 || cell.ahead * cell.ahead + cell.left * cell.left > far2) continue;
+      if (obstacle || suspected) {
         obstacles_.push_back(cell);
       } else if (std::abs(cell.left) < half) {
-        looked_at_.push_back(cell);
+        ground_.push_back(cell);
       }
     }
   }
 }
 
-/// Straight ahead and beyond near; far where there is none. It may be nothing: come slowly, and see more of it.
-double MapDriver::first_suspected() const noexcept {
-  double first = config_.decide.far;
-  for (const Cell& cell : looked_at_)
-    if (cell.suspected) first = std::min(first, static_cast<double>(cell.ahead));
-  return first;
-}
-
-/// Along the corridor in the direction `turned`, rad to the left; far where there is none.
-double MapDriver::first_obstacle(double turned) const noexcept {
+/// Along the corridor in the direction `turned`, rad to the left; far where there is none. What is suspected counts up to `suspected_to`.
+double MapDriver::first_obstacle(double turned, double suspected_to) const noexcept {
   const double cosine = std::cos(turned), sine = std::sin(turned), half = half_width();
   double first = config_.decide.far;
   for (const Cell& cell : obstacles_) {
     const double x = static_cast<double>(cell.ahead), y = static_cast<double>(cell.left);
     const double ahead = x * cosine + y * sine, left = y * cosine - x * sine;
+    if (cell.suspected && ahead > suspected_to) continue;
     if (ahead > 0 && std::abs(left) < half) first = std::min(first, ahead);
   }
   return first;
 }
 
-/// Where the ground near the rover is unknown, or something may stand; far where it is known well enough to be free.
+/// Where the ground near the rover is unknown; far where it is known well enough. What stands or may stand there is no ground: from near on
+/// it only slows, also where the zone reaches farther.
 double MapDriver::first_unknown() const noexcept {
   double nearest = config_.decide.far, first = config_.decide.far;
-  for (const Cell& cell : looked_at_) nearest = std::min(nearest, static_cast<double>(cell.ahead));
+  for (const Cell& cell : ground_) nearest = std::min(nearest, static_cast<double>(cell.ahead));
   const double zone = std::max(config_.decide.near, nearest + least_zone);
   int all = 0, unknown = 0;
-  for (const Cell& cell : looked_at_) {
+  for (const Cell& cell : ground_) {
     if (static_cast<double>(cell.ahead) > zone) continue;
     ++all;
-    if (!cell.unknown && !cell.suspected) continue;
+    if (!cell.unknown) continue;
     ++unknown;
     first = std::min(first, static_cast<double>(cell.ahead));
   }
@@ -96,8 +93,8 @@ double MapDriver::first_unknown() const noexcept {
 bool MapDriver::evade_left() const noexcept {
   double left = 0, right = 0;
   for (double turned = step_rad; turned <= most_rad; turned += step_rad) {
-    const double to_left = first_obstacle(turned), to_right = first_obstacle(-turned);
-    const bool free_left = to_left >= config_.decide.near, free_right = to_right >= config_.decide.near;
+    const double near = config_.decide.near, to_left = first_obstacle(turned, near), to_right = first_obstacle(-turned, near);
+    const bool free_left = to_left >= near, free_right = to_right >= near;
     if (free_left != free_right) return free_left;
     left += to_left;
     right += to_right;
@@ -109,11 +106,11 @@ bool MapDriver::evade_left() const noexcept {
 MapWay MapDriver::look(const Image& grid, const Image* reason) noexcept {
   collect(grid, reason);
   MapWay way;
-  way.corridor_m = std::min(first_obstacle(0), reason ? first_unknown() : config_.decide.far);
   const double near = config_.decide.near, far = config_.decide.far;
+  way.corridor_m = std::min(first_obstacle(0, near), reason ? first_unknown() : far);
   // What is unknown up to near is not free, also where its first cell is the last.
   way.free = way.corridor_m > near;
-  way.clearness = std::clamp((std::min(way.corridor_m, first_suspected()) - near) / (far - near), 0.0, 1.0);
+  way.clearness = std::clamp((std::min(way.corridor_m, first_obstacle(0, far)) - near) / (far - near), 0.0, 1.0);
   way.left = way.free || evade_left();
   return way;
 }

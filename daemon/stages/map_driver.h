@@ -23,7 +23,8 @@ struct MapWay : Way {
 /// next few decide.
 ///
 /// Cells in which something may stand (between free_up_to and occupied_from; of a grid that remembers those that are unknown because of an
-/// obstacle) lower the clearness as obstacles do, and so the speed; nearer than near they are obstacles.
+/// obstacle or a drop-off) lower the clearness as obstacles do, and so the speed; up to near, along the corridor, they are obstacles. That
+/// may be what a single frame is wrong about: standing and turning for a frame is less than coming nearer for one.
 ///
 /// Evades to the side on which, turning, the first free corridor is found; of equals where the corridors reach farther, else left.
 class MapDriver {
@@ -40,14 +41,13 @@ class MapDriver {
     bool suspected, unknown;
   };
   void collect(const Image& grid, const Image* reason) noexcept;
-  double first_obstacle(double turned) const noexcept;
+  double first_obstacle(double turned, double suspected_to) const noexcept;
   double first_unknown() const noexcept;
-  double first_suspected() const noexcept;
   bool evade_left() const noexcept;
   double half_width() const noexcept { return config_.decide.width / 2 + config_.decide.margin; }
 
   const Config& config_;
-  std::vector<Cell> obstacles_, looked_at_;  // up to far; of what is no obstacle those in the corridor
+  std::vector<Cell> obstacles_, ground_;  // up to far; what is suspected is among the obstacles; of the ground what lies in the corridor
 };
 
 }  // namespace vdisp

@@ -144,6 +144,17 @@ TEST_F(DriveTest, an_obstacle_that_one_detector_sees_is_one_and_that_one_says_wh
   EXPECT_EQ(decided().decider, Decider::vdisparity) << "the classifier would turn right";
 }
 
+TEST_F(DriveTest, what_one_frame_alone_is_sure_of_near_the_rover_costs_a_frame_of_turning) {
+  config.decide.hold = 2;
+  step();
+  put(0.95, 0, -1, CellReason::obstacle);  // as the map that remembers tells it on ground that was free
+  EXPECT_EQ(step().speed, 0);
+  EXPECT_EQ(decided().steering, Steering::turn_left);
+  put(0.95, 0, 0, CellReason::floor);
+  EXPECT_DOUBLE_EQ(step().speed, config.decide.leastSpeed) << "slowly: the classifiers saw nothing";
+  EXPECT_EQ(decided().steering, Steering::forward);
+}
+
 TEST_F(DriveTest, sensitivity_moves_the_border_of_both_classifiers) {
   say(-0.1, -0.1);
   SnowScores& s = *scores.image().row<SnowScores>(0);

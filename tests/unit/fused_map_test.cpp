@@ -55,6 +55,20 @@ TEST_F(FusedPatchTest, ground_that_was_seen_free_stays_so_where_little_is_suspec
   EXPECT_EQ(why(1.95, 0), CellReason::floor);
 }
 
+TEST_F(FusedPatchTest, what_is_doubted_is_suspected_on_free_ground_in_its_third_frame_and_an_obstacle_in_its_sixth) {
+  begin();
+  see_patch(0, CellReason::floor, 5);
+  see_patch(64, CellReason::obstacle, 2);
+  EXPECT_GE(fused(1.95, 0), 0);
+  see_patch(64, CellReason::obstacle);
+  EXPECT_EQ(fused(1.95, 0), -1);
+  EXPECT_EQ(why(1.95, 0), CellReason::obstacle);
+  see_patch(64, CellReason::obstacle, 2);
+  EXPECT_LT(fused(1.95, 0), occupied_from);
+  see_patch(64, CellReason::obstacle);
+  EXPECT_GE(fused(1.95, 0), occupied_from);
+}
+
 TEST_F(FusedPatchTest, a_lone_sure_frame_makes_free_ground_unknown_because_of_an_obstacle_until_the_next) {
   for (const auto& [value, told] : {std::pair{90, CellReason::obstacle}, {100, CellReason::obstacle}, {100, CellReason::drop_off}}) {
     begin();

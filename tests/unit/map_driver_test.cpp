@@ -65,9 +65,47 @@ TEST_F(MapDriverTest, what_may_stand_there_is_come_near_to_slowly_and_turned_fro
   EXPECT_EQ(look().clearness, 1);
   put(1.55, 0.45, 64, CellReason::obstacle);
   EXPECT_EQ(look().clearness, 1) << "beside the corridor";
-  put(0.95, 0.1, 41, CellReason::floor);
-  EXPECT_FALSE(look().free);
-  EXPECT_FALSE(look().left) << "it stands more to the left";
+}
+
+TEST_F(MapDriverTest, what_may_stand_nearer_than_near_is_turned_from) {
+  for (const auto& [value, why] :
+       {std::pair{41, CellReason::floor}, {64, CellReason::obstacle}, {-1, CellReason::obstacle}, {-1, CellReason::drop_off}}) {
+    put(1.05, 0.1, value, why);
+    EXPECT_TRUE(look().free) << value << ' ' << name(why);
+    EXPECT_NEAR(look().clearness, 0.05 / 2, 1e-6) << value << ' ' << name(why);
+    put(1.05, 0.1, 0, CellReason::floor);
+    put(0.95, 0.1, value, why);
+    EXPECT_FALSE(look().free) << value << ' ' << name(why);
+    EXPECT_NEAR(look().corridor_m, 0.95, 1e-6) << value << ' ' << name(why);
+    EXPECT_FALSE(look().left) << "it stands more to the left";
+    put(0.95, 0.1, 0, CellReason::floor);
+    EXPECT_TRUE(look().free);
+  }
+}
+
+TEST_F(MapDriverTest, how_near_it_may_stand_is_judged_along_the_corridor_as_of_an_obstacle) {
+  config.decide.width = 1.2;
+  put(0.95, 0.6, 64, CellReason::obstacle);
+  EXPECT_FALSE(look().free) << "1.12 m away, and 0.95 m ahead";
+  put(0.95, 0.6, 0, CellReason::floor);
+  EXPECT_TRUE(look().free);
+  obstacle(0.95, 0);
+  EXPECT_TRUE(look().left) << "both ways are free";
+  put(0.35, 1.0, 64, CellReason::obstacle);
+  EXPECT_FALSE(look().left) << "1.06 m away, and 0.99 m ahead after a turn of 50 degrees, the first that evades the obstacle";
+}
+
+TEST_F(MapDriverTest, what_may_stand_beyond_near_is_no_unknown_ground) {
+  // Seen from 0.95 m on: the first 0.3 m decide, and something may stand all over the farther part of them.
+  for (double left = -0.25; left < 0.26; left += 0.1) {
+    for (double ahead = 0.45; ahead < 0.9; ahead += 0.1) put(ahead, left, -1, CellReason::too_near);
+    for (const double ahead : {1.05, 1.15, 1.25}) put(ahead, left, ahead < 1.2 ? 64 : -1, CellReason::obstacle);
+  }
+  EXPECT_TRUE(look().free) << "slowly on: it is not near yet";
+  EXPECT_NEAR(look().clearness, 0.05 / 2, 1e-6);
+  for (double left = -0.25; left < 0.26; left += 0.1)
+    for (const double ahead : {1.05, 1.15, 1.25}) put(ahead, left, -1, CellReason::no_texture);
+  EXPECT_FALSE(look().free) << "nothing is known of it";
 }
 
 TEST_F(MapDriverTest, with_no_ground_in_sight_nothing_is_free) {
