@@ -41,7 +41,7 @@ constexpr uint8_t rejected_code(int16_t pixel) { return pixel < rejected_base ? 
 enum class CellReason : uint8_t {
   out_of_view = 0,  ///< unknown: the camera does not look there
   floor,            ///< floor seen
-  obstacle,         ///< something stands there
+  obstacle,         ///< something stands there, or may: see free_up_to
   drop_off,         ///< the ground ends: what is seen lies under the floor
   overhang,         ///< unknown: only what hangs over it is seen
   too_near,         ///< unknown: nearer than the camera can match
