@@ -32,6 +32,7 @@ std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
   inverse_.assign(columns, 0.0f);
   profile_.assign(columns, 0.0f);
   upright_.prepare(in[0]);
+  rising_.prepare(in[0]);
   filling_.prepare(in[0]);
   const uint16_t width = in[0].width, height = in[0].height;
   return {{Pixel::height16, 0, width, height},
@@ -72,6 +73,7 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
     }
   });
   upright_.mark(disparity, model, out);
+  rising_.mark(disparity, model, {inverse_.data(), profile_.data()}, out);
   filling_.fill(disparity, *in[2], model, {inverse_.data(), profile_.data()}, out);
   return Outcome::valid;
 }

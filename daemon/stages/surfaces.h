@@ -7,6 +7,7 @@
 #include "daemon/kernels/aligned.h"
 #include "daemon/stages/filling.h"
 #include "daemon/stages/machine.h"
+#include "daemon/stages/rising_ground.h"
 #include "daemon/stages/upright.h"
 
 namespace vdisp {
@@ -19,10 +20,12 @@ namespace vdisp {
 ///
 /// A pixel with the true disparity d' lies H (1 - d_floor / d') over the plane of a camera H high, with d_floor what the plane has there:
 /// for both points of a ray, distances over the plane and depths are in proportion. What stands upright is looked for besides (Upright): no
-/// part of it is floor. What is even between the edges of obstacles becomes obstacle (Filling).
+/// part of it is floor. Ground that rises beside the way is floor (RisingGround). What is even between the edges of obstacles becomes
+/// obstacle (Filling).
 class Surfaces final : public ImageProcessor {
  public:
-  Surfaces(Machine& machine, const Config& config) : machine_(machine), config_(config), upright_(config), filling_(config) {}
+  Surfaces(Machine& machine, const Config& config)
+      : machine_(machine), config_(config), upright_(config), rising_(config), filling_(config) {}
   std::vector<ImageSpec> check(std::span<const ImageSpec> in) override;
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
@@ -30,6 +33,7 @@ class Surfaces final : public ImageProcessor {
   Machine& machine_;
   const Config& config_;
   Upright upright_;
+  RisingGround rising_;
   Filling filling_;
   kernels::Aligned<float> inverse_, profile_;  // kernels::HeightTables
 };
