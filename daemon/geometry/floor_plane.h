@@ -19,9 +19,17 @@ struct FloorPlane {
   double horizon(const StereoView& view) const { return view.cy - middle / down; }
 };
 
-/// By what part of the camera's height the plane of a ramp ahead may lie higher or lower under the camera, the ramp `slope` rad steep: it
-/// begins at most where ground is first seen, up to 1.5 camera heights ahead, and is led on to the rover from there.
-inline double height_of_ramp(double slope) { return std::clamp(1.5 * std::tan(std::abs(slope)), 0.35, 0.45); }
+/// The least and the greatest height of the camera over the plane of a ramp ahead, as parts of its height over the ground, the ramp `slope`
+/// rad steep, positive: it rises. It begins at most where ground is first seen, up to 1.5 camera heights ahead, and is led on to the rover
+/// from there: what rises lies farther below, what falls nearer. 0.35 to either side is how far off a gentle one may be found; 0.45 is what
+/// falls by 16 degrees, and steeper ones may have: more is a table, or a wall that leans.
+struct HeightRange {
+  double least, most;
+};
+inline HeightRange height_over_ramp(double slope) {
+  const double falls = 1 - std::cos(slope) - 1.5 * std::sin(slope), rises = std::cos(slope) - 1 + 1.5 * std::sin(slope);
+  return {1 - std::clamp(falls, 0.35, 0.45), 1 + std::clamp(rises, 0.35, 0.45)};
+}
 
 struct PlanePose {
   double pitch, roll, height;  ///< rad, positive: looks down, right side low; m

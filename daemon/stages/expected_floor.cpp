@@ -83,7 +83,8 @@ bool FloorExpectation::contradicts(const FloorModel& last) const noexcept {
   if (!last.mounting_differs) return false;
   if (last.model == FloorKind::line) return true;
   const double height = config_.mounting.height, slope = last.pitch_rad - config_.expected_pitch();
-  return std::abs(slope) > config_.floor.maxSlope || std::abs(last.height_m - height) > height_of_ramp(slope) * height;
+  const HeightRange ramp = height_over_ramp(slope);
+  return std::abs(slope) > config_.floor.maxSlope || last.height_m < ramp.least * height || last.height_m > ramp.most * height;
 }
 
 /// From row to row upwards, along the profile; where what lies ahead is hidden by a crest, on to what is seen behind it. Beyond what was

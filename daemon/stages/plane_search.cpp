@@ -85,8 +85,10 @@ bool PlaneSearch::drivable(const PlanePose& pose) const {
   const auto& m = config_.mounting;
   const double steepest = config_.floor.maxSlope + m.pitchTolerance;
   const double slope = pose.pitch - config_.expected_pitch();
-  return std::abs(slope) <= steepest && std::abs(pose.roll - m.roll) <= steepest &&
-         std::abs(pose.height / m.height - 1) <= std::max(height_of_ramp(slope), 1.5 * m.heightTolerance);
+  const double tolerance = 1.5 * m.heightTolerance, height = pose.height / m.height;
+  const HeightRange ramp = height_over_ramp(slope);
+  return std::abs(slope) <= steepest && std::abs(pose.roll - m.roll) <= steepest && height >= std::min(ramp.least, 1 - tolerance) &&
+         height <= std::max(ramp.most, 1 + tolerance);
 }
 
 std::optional<FloorPlane> PlaneSearch::through_three(Random& random) const {

@@ -97,19 +97,27 @@ TEST_F(ExpectedFloorTest, a_ramp_is_expected_though_the_mounting_contradicts_it_
   expect_near(expectation.expect(view.image(), &last), up);  // a table beside it, say
 }
 
-// 15 degrees steep from 1.35 camera heights ahead on: its plane lies 0.36 of the camera's height nearer to the camera.
+// 15 degrees steep from 1.45 camera heights ahead on: its plane lies 1 - cos 15 + 1.45 sin 15 = 0.41 of the camera's height nearer to the
+// camera where it falls, and 0.34 farther where it rises.
 TEST_F(ExpectedFloorTest, a_ramp_is_expected_also_where_its_plane_is_led_on_far_to_the_rover) {
-  const double slope = 0.2618;
-  mount(up / (1 - 1.35 * std::tan(slope)));
-  config.mounting.pitch = pitch + slope;
+  const double slope = 0.2618, near = std::cos(slope) - 1.45 * std::sin(slope), far = std::cos(slope) + 1.45 * std::sin(slope);
   last.model = FloorKind::profile;
   last.mounting_differs = 1;
-  FloorExpectation expectation(config);
-  expect_near(expectation.expect(view.image(), &last), up);
-  config.mounting.pitch = pitch + 0.2;  // so steep a ramp would have to begin farther off than the ground that is seen first
-  const auto mounted = expectation.expect(view.image(), &last);
-  ASSERT_TRUE(mounted);
-  EXPECT_GT(std::abs(mounted->row(200).at(160) / 16.0 - truth(200, 160)), 1);
+  const auto expects = [&](double steep, double height_over_ramp) {
+    mount(up / height_over_ramp);
+    config.mounting.pitch = static_cast<float>(pitch - steep);
+    FloorExpectation expectation(config);
+    const auto floor = expectation.expect(view.image(), &last);
+    return floor && std::abs(floor->row(160).at(200) / 16.0 - truth(200, 160)) < 0.1;
+  };
+  EXPECT_TRUE(expects(-slope, near));
+  EXPECT_TRUE(expects(slope, far));
+  EXPECT_TRUE(expects(-0.2, 0.66));
+  // So steep a ramp would have to begin farther off than the ground that is seen first; and what rises does not lie nearer.
+  EXPECT_FALSE(expects(-0.2, near));
+  EXPECT_FALSE(expects(slope, 0.62));
+  EXPECT_FALSE(expects(-slope, 2 - near));
+  EXPECT_FALSE(expects(-0.34, 0.54));  // a table, or a wall that leans
 }
 
 /// Ground that is level up to `foot` m ahead, then rises by `slope`, and from `top` on is level again: what the pixel's ray meets first.

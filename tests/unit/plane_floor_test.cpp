@@ -202,7 +202,7 @@ TEST_F(PlaneFloorTest, a_wall_that_fills_the_view_is_no_floor_where_the_mounting
 }
 
 TEST_F(PlaneFloorTest, a_ramp_that_fills_the_view_is_a_floor_where_the_mounting_is_known_to_be_right) {
-  for (const double rise : {0.17, 0.26, -0.17}) {
+  for (const double rise : {0.17, 0.26, -0.17, -0.26}) {
     stage.reset();
     trust_mounting();
     // The ramp begins a metre ahead of the camera's foot, in all that is in view.
