@@ -63,7 +63,7 @@ bool Occupancy::may_be_false(const Inputs& in) noexcept {
 
 /// What stands alone in one cell, or has no more pixels than a false match, stays suspected, as much as a cell can be that is none: what is
 /// there in frame after frame adds up. One cell takes twice the pixels, if a few windows are as wide: a false match fills hardly two of
-/// these.
+/// these. At the rim of the view a cell may show all that is seen of something larger.
 void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept {
   const auto stands = [&](int cell) {
     return occupancy.row<int8_t>(cell / columns_)[cell % columns_] >= suspected &&
@@ -76,7 +76,7 @@ void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reas
     const int row = begin / columns_, column = begin % columns_;
     const bool inside = row > 0 && row + 1 < rows_ && column > 0 && column + 1 < columns_;
     const bool few = may_be_false(in);
-    const bool lone = island_.size() == 1 && inside && windows(in, row) >= 1;
+    const bool lone = island_.size() == 1 && inside && windows(in, row) >= 1 && part_in_view(in, box(in, row, column)) >= 1;
     for (const int cell : island_) {
       int8_t& value = occupancy.row<int8_t>(cell / columns_)[cell % columns_];
       const int half = static_cast<int>(100 - 10 * std::sqrt(100.0 - value));
