@@ -1,4 +1,5 @@
-"""drive_proofs.py: each key of [drive] changes what vdisp-drive says to a controller on a pseudo-terminal, as its help says.
+#!/usr/bin/python3
+"""115: each key of [drive] changes what vdisp-drive says to a controller on a pseudo-terminal, as its help says.
 
 SPDX-License-Identifier: Apache-2.0
 """
@@ -7,14 +8,12 @@ import subprocess
 import time
 
 from drive import Controller, Daemon, drive, wheels
-from programs import Running, wait_until
+from programs import ProgramTest, Running, isolated_main, wait_until
 
 STOP = (0, 0)
 
 
-class DriveProofs:
-    """Mixed into the test of all parameters."""
-
+class DriveParameters(ProgramTest):
     def said(self, order, seconds=1.0, then=None, after=0.5, answer=None, **sets):
         """Commands, as (time, text), from the start on: an order for so long, and what comes after it."""
         controller = Controller(self.folder, answer)
@@ -136,3 +135,6 @@ class DriveProofs:
         self.assertLess(stops_in("off"), 0.2)
         self.assertAlmostEqual(stops_in(2), 0.45, delta=0.15)
         self.assertAlmostEqual(stops_in(1), 0.9, delta=0.2)
+
+
+isolated_main()
