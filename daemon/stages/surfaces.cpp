@@ -51,7 +51,9 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
   const FloorPlane plane = floor.plane();
   const kernels::Search search = search_of(disparity.camera, 16 * disparity.camera.disparities);
   const double camera_mm = 1000 * model.height_m;
-  for (int column = search.least - search.first; column < search.columns; ++column) {
+  // RisingGround looks up what is a little nearer, too.
+  const int most = std::min<int>(search.columns + 16, static_cast<int>(inverse_.size()));
+  for (int column = search.least - search.first; column < most; ++column) {
     const double d = true_disparity(disparity.camera, column);
     inverse_[static_cast<size_t>(column)] = static_cast<float>(camera_mm / d);
     profile_[static_cast<size_t>(column)] = static_cast<float>(1000 * floor.elevation_of(d));

@@ -17,7 +17,8 @@ namespace vdisp {
 namespace {
 
 constexpr int width = 640, height = 480;
-constexpr double high = 0.8, pitch = 0.2;  // m, rad
+constexpr double high = 0.8;       // m
+constexpr double bar_ahead = 3.0;  // m
 const StereoView view{500, 320, 240, 0.1, 0};
 constexpr double wall = 0.02;  // m along the way that what stands upright needs to rise
 
@@ -45,12 +46,13 @@ struct RisingGroundTest : testing::Test {
   Picture disparity{Pixel::disparity16, width, height}, left{Pixel::gray8, width, height}, floor{record_spec<FloorModel>()};
   std::vector<std::unique_ptr<Picture>> out;
   std::vector<Point> places = std::vector<Point>(width * height);  // to the right, up, ahead, m; ahead = 0: nothing
-  double noise = 0;                                                // px
+  double noise = 0, pitch = 0.2;                                   // px, rad
 
   void SetUp() override { config.limit.max_height = 0.1f; }
-  /// The floor that is told is level. `matched`: of a place, to the right, up, ahead.
-  void look(
-      const Ground& ground, const std::function<bool(const Point&)>& matched = [](const Point&) { return true; }) {
+  /// The floor that is told is level. `matched`: of a place, to the right, up, ahead; `hangs`: of a place bar_ahead m ahead, whether
+  /// something hangs there before the ground.
+  void look(const Ground& ground, const std::function<bool(const Point&)>& matched = {},
+            const std::function<bool(const Point&)>& hangs = {}) {
     std::mt19937 random(1);
     std::normal_distribution<double> error(0, 1);
     disparity.image().camera = {500, 320, 240, 0.1f, 0, 0, config.image_source.ndisp, {}};
@@ -59,8 +61,12 @@ struct RisingGroundTest : testing::Test {
       const double t = meets(ground, h);
       Point& place = places[static_cast<size_t>(v * width + u)];
       place = {h.x * t, high - h.y * t, h.z * t};
-      if (t == 0 || !matched(place)) return rejected(Rejected::low_texture);
-      return static_cast<int16_t>(std::lround(16 * (view.disparity(t) + noise * error(random))));
+      const double bar = bar_ahead / h.z;
+      const Point on_bar{h.x * bar, high - h.y * bar, bar_ahead};
+      const bool is_bar = hangs && hangs(on_bar) && (t == 0 || bar < t);
+      if (is_bar) place = on_bar;
+      if (place.z == 0 || (matched && !matched(place))) return rejected(Rejected::low_texture);
+      return static_cast<int16_t>(std::lround(16 * (view.disparity(is_bar ? bar : t) + noise * error(random))));
     });
     left.fill<uint8_t>([](int v, int u) { return static_cast<uint8_t>(60 + (u * 7919 + v * 104729) % 97); });
     const FloorPlane plane = plane_of({pitch, 0, high}, view);
@@ -113,13 +119,13 @@ TEST_F(RisingGroundTest, a_bank_beside_the_way_that_rises_gently_is_floor) {
 }
 
 TEST_F(RisingGroundTest, a_bank_steeper_than_maxSlope_is_an_obstacle) {
-  look(bank(25));
-  const auto [all, share] = floor_of(on_bank);
-  EXPECT_GT(all, 5000);
-  EXPECT_LT(share, 0.02);
-  config.floor.maxSlope = 0.1f;
-  look(bank(8));
-  EXPECT_LT(floor_of(on_bank).second, 0.02);
+  for (const auto& [degrees, steepest] : {std::pair{25.0, 0.35f}, {8.0, 0.1f}}) {
+    config.floor.maxSlope = steepest;
+    look(bank(degrees));
+    const auto [all, share] = floor_of(on_bank);
+    EXPECT_GT(all, 5000) << degrees;
+    EXPECT_LT(share, 0.02) << degrees;
+  }
 }
 
 TEST_F(RisingGroundTest, the_face_and_the_top_of_a_step_are_obstacles) {
@@ -152,11 +158,66 @@ TEST_F(RisingGroundTest, what_stands_behind_a_brow_is_an_obstacle) {
   EXPECT_LT(share, 0.02);
 }
 
+// 3 m off, 0.1 m thick, and the bank is seen below it and above.
+TEST_F(RisingGroundTest, a_bar_before_a_bank_is_an_obstacle) {
+  const double degrees = 8;
+  for (const double from : {0.3, 0.35, 0.4}) {
+    noise = 0.1;
+    look([=](double ahead, double) { return std::tan(degrees * M_PI / 180) * std::max(ahead - 1.5, 0.0); }, {},
+         [=](const Point& at_3_m) { return at_3_m.y > from && at_3_m.y < from + 0.1 && std::abs(at_3_m.x) < 0.7; });
+    const auto [all, share] = floor_of([&](const Point& place) { return place.z == bar_ahead && std::abs(place.x) < 0.6; });
+    EXPECT_GT(all, 3000) << from;
+    EXPECT_LT(share, 0.02) << from;
+  }
+}
+
+TEST_F(RisingGroundTest, a_box_whose_foot_is_below_the_picture_is_an_obstacle) {
+  for (const auto& [tilt, from] : {std::pair{0.0, 1.35}, {-0.05, 1.5}, {-0.1, 1.8}}) {
+    pitch = tilt;
+    config.limit.max_height = 0.2f;
+    look(step(from, 0.3));
+    const auto [all, share] = floor_of([&](const Point& place) { return place.z < from + 0.1; });
+    EXPECT_GT(all, 1000) << from;
+    EXPECT_LT(share, 0.02) << from;
+  }
+}
+
+// The object, 0.3 m high and wide: what is seen of it over max_height, less half a window at its rims.
+TEST_F(RisingGroundTest, the_foot_of_what_stands_on_the_bank_is_an_obstacle) {
+  config.limit.max_height = 0.2f;
+  noise = 0.1;
+  for (const double degrees : {4.0, 8.0}) {
+    const double slope = std::tan(degrees * M_PI / 180);
+    look([&](double ahead, double right) {
+      const bool box = std::abs(right) < 0.15 && ahead > 4;
+      return slope * std::max(ahead - 1, 0.0) + (box ? 0.3 * std::clamp((ahead - 4) / wall, 0.0, 1.0) : 0);
+    });
+    const auto [all, share] = floor_of([&](const Point& place) { return std::abs(place.x) < 0.13 && place.z > 3.99 && place.z < 4.1; });
+    EXPECT_GT(all, 500) << degrees;
+    EXPECT_LT(share, 0.25) << degrees;
+  }
+}
+
+// The nearest disparities there are: a bank of which the table of distances hardly goes on.
+TEST_F(RisingGroundTest, what_is_as_near_as_can_be_matched_is_an_obstacle) {
+  config.image_source.ndisp = 32;
+  config.limit.max_height = 0.2f;
+  look(step(1.65, 0.3), [&](const Point& place) { return place.z > 1.6; });
+  const auto [all, share] = floor_of([](const Point& place) { return place.z < 1.7; });
+  EXPECT_GT(all, 1000);
+  EXPECT_LT(share, 0.02);
+}
+
 TEST_F(RisingGroundTest, it_is_only_told_as_far_off_as_a_step_would_be_seen) {
   // A step of max_height, 0.1 m, is 12 rows high 500 * 0.1 / 12 = 4.2 m off.
   look(bank(4));
-  EXPECT_GT(floor_of([](const Point& place) { return place.x > 0.33 * place.z && place.z > 3.5 && place.z < 4.0; }).second, 0.9);
-  EXPECT_LT(floor_of([](const Point& place) { return place.x > 0.33 * place.z && place.z > 4.8 && place.z < 6.0; }).second, 0.1);
+  const auto between = [&](double from, double to) {
+    return floor_of([=](const Point& place) { return place.x > 0.33 * place.z && place.z > from && place.z < to; });
+  };
+  EXPECT_GT(between(3.5, 4).first, 1000);
+  EXPECT_GT(between(3.5, 4).second, 0.9);
+  EXPECT_GT(between(4.8, 6).first, 1000);
+  EXPECT_LT(between(4.8, 6).second, 0.1);
 }
 
 TEST_F(RisingGroundTest, what_stands_on_the_bank_is_an_obstacle) {
