@@ -72,22 +72,31 @@ double MapDriver::first_obstacle(double turned, double suspected_to) const noexc
   return first;
 }
 
-/// Where the ground near the rover is unknown; far where it is known well enough. What stands or may stand there is no ground: from near on
-/// it only slows, also where the zone reaches farther.
+/// Where the ground near the rover is unknown; far where it is known well enough. What stands or may stand beyond near is no unknown
+/// ground, it only slows; but where nothing nearer is in sight, what may stand in the next few cells would be driven over unseen.
 double MapDriver::first_unknown() const noexcept {
-  double nearest = config_.decide.far, first = config_.decide.far;
+  const double near = config_.decide.near, far = config_.decide.far, half = half_width();
+  double nearest = far, first = far;
+  const auto may_stand = [&](const Cell& cell) { return cell.suspected && std::abs(static_cast<double>(cell.left)) < half; };
   for (const Cell& cell : ground_) nearest = std::min(nearest, static_cast<double>(cell.ahead));
-  const double zone = std::max(config_.decide.near, nearest + least_zone);
+  for (const Cell& cell : obstacles_)
+    if (may_stand(cell)) nearest = std::min(nearest, static_cast<double>(cell.ahead));
+  const double zone = std::max(near, nearest + least_zone);
   int all = 0, unknown = 0;
-  for (const Cell& cell : ground_) {
-    if (static_cast<double>(cell.ahead) > zone) continue;
+  const auto count = [&](const Cell& cell, bool is_unknown) {
+    if (static_cast<double>(cell.ahead) > zone) return;
     ++all;
-    if (!cell.unknown) continue;
+    if (!is_unknown) return;
     ++unknown;
     first = std::min(first, static_cast<double>(cell.ahead));
+  };
+  for (const Cell& cell : ground_) count(cell, cell.unknown);
+  if (nearest > near) {
+    for (const Cell& cell : obstacles_)
+      if (may_stand(cell)) count(cell, true);
   }
   if (all == 0) return 0;
-  return unknown > most_unknown * all ? std::min(first, config_.decide.near) : config_.decide.far;
+  return unknown > most_unknown * all ? std::min(first, near) : far;
 }
 
 bool MapDriver::evade_left() const noexcept {

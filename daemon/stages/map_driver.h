@@ -20,7 +20,7 @@ struct MapWay : Way {
 /// The way is free where no obstacle stands in the corridor nearer than [decide] near, and at most a third of the cells there that
 /// can be looked at is unknown: unknown ground near the rover is not free. What lies below the picture or too near for the matcher can
 /// not be looked at; it was when the rover came, and a grid that remembers tells it. Where the nearest cell in view lies beyond near, the
-/// next few decide.
+/// next few decide, and of these what may stand counts as unknown.
 ///
 /// Cells in which something may stand (between free_up_to and occupied_from; of a grid that remembers those that are unknown because of an
 /// obstacle or a drop-off) lower the clearness as obstacles do, and so the speed; up to near, along the corridor, they are obstacles. That

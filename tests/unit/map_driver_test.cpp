@@ -108,6 +108,24 @@ TEST_F(MapDriverTest, what_may_stand_beyond_near_is_no_unknown_ground) {
   EXPECT_FALSE(look().free) << "nothing is known of it";
 }
 
+TEST_F(MapDriverTest, what_may_stand_in_the_first_cells_in_view_is_unknown_ground_where_these_lie_beyond_near) {
+  const auto see_from = [&](double nearest) {
+    for (double ahead = 0.05; ahead < nearest; ahead += 0.1)
+      for (double left = -0.55; left < 0.56; left += 0.1) put(ahead, left, -1, CellReason::too_near);
+  };
+  for (const auto& [value, why] : {std::pair{41, CellReason::floor}, {64, CellReason::obstacle}, {-1, CellReason::drop_off}}) {
+    for (double ahead = 1.25; ahead < 1.5; ahead += 0.1)
+      for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, value, why);
+    see_from(1.2);
+    EXPECT_FALSE(look().free) << value << ' ' << name(why) << ": it would be out of view when it is near";
+  }
+  for (double ahead = 1.25; ahead < 1.5; ahead += 0.1)
+    for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, 0, CellReason::floor);
+  EXPECT_TRUE(look().free);
+  put(1.25, 0.05, 64, CellReason::obstacle);
+  EXPECT_TRUE(look().free) << "one cell of many";
+}
+
 TEST_F(MapDriverTest, with_no_ground_in_sight_nothing_is_free) {
   grid.fill<int8_t>([](int, int) { return int8_t{-1}; });
   reason.fill<uint8_t>([](int, int) { return static_cast<uint8_t>(CellReason::out_of_view); });
