@@ -176,8 +176,8 @@ void FusedMap::add_obstacle(int row, int column, int8_t seen, CellReason why, st
   uint8_t& reason = out[1]->row<uint8_t>(row)[column];
   // What is suspected and not known to be free is no ground that was never looked at.
   if (percent >= occupied_from || percent < 0) {
-    const bool drop_off = grid_.kind(row, column) == FusedGrid::Kind::drop_off;
-    reason = static_cast<uint8_t>(drop_off ? CellReason::drop_off : CellReason::obstacle);
+    const auto is = percent < 0 ? kind : grid_.kind(row, column);  // nothing is remembered: what this frame says
+    reason = static_cast<uint8_t>(is == FusedGrid::Kind::drop_off ? CellReason::drop_off : CellReason::obstacle);
   } else if (why == CellReason::floor) {
     reason = static_cast<uint8_t>(why);
   }

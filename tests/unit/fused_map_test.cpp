@@ -44,6 +44,16 @@ TEST_F(FusedPatchTest, what_is_suspected_and_likelier_floor_adds_up_to_nothing) 
   EXPECT_EQ(fused(1.95, 0), 0);
 }
 
+TEST_F(FusedPatchTest, what_is_suspected_and_not_known_is_told_as_this_frame_has_it) {
+  begin();
+  see_patch(55, CellReason::drop_off);
+  EXPECT_EQ(fused(1.95, 0), -1);
+  EXPECT_EQ(why(1.95, 0), CellReason::drop_off);
+  see_patch(45, CellReason::floor);
+  EXPECT_EQ(fused(1.95, 0), -1);
+  EXPECT_EQ(why(1.95, 0), CellReason::obstacle);
+}
+
 TEST_F(FusedPatchTest, ground_that_was_seen_free_stays_so_where_little_is_suspected) {
   begin();
   see_patch(0, CellReason::floor, 5);
