@@ -17,6 +17,7 @@ constexpr int lead_in = 8;                                    // samples of floo
 constexpr int samples_of_step = 3;                            // that the face of a step of max_height fills, to be seen as one
 constexpr float most_receding = 2;                            // times as much as level ground does: what is farther stands behind a gap
 constexpr int least_beside = 5;                               // of the eight samples around: alone it is noise
+constexpr int off_line = 8;                                   // 1/16 px: what is farther off the line between two of ground is none
 constexpr int same_ground = 16;                               // 1/16 px around a sample, within which ground recedes to the next
 
 }  // namespace
@@ -78,7 +79,7 @@ void RisingGround::gather(const Image& disparity, std::span<const Image* const> 
 
 bool RisingGround::climb(const Image& disparity, const Scale& scale, int column) noexcept {
   bool any = false;
-  Ground last{0, 0, 0, -1};
+  Ground last{};
   for (int row = std::max(higher_from_[static_cast<size_t>(column)] - lead_in, 0); row < rows_; ++row) {
     const Shows here = shows(row, column);
     if (here == Shows::nothing) continue;
@@ -92,14 +93,14 @@ bool RisingGround::climb(const Image& disparity, const Scale& scale, int column)
     const float on = sample.nearest.ahead - last.ahead, up = sample.nearest.up - last.up;
     const bool goes_on = last.row >= 0 && apart <= most_apart && on >= -sample.vague && on <= reach(scale, last, apart) + sample.vague;
     if (!goes_on || (here == Shows::higher && sample.depth > scale.farthest)) {
-      last = here == Shows::floor ? Ground{sample.ahead, sample.up, sample.disparity, row} : Ground{0, 0, 0, -1};
+      last = here == Shows::floor ? Ground{sample.ahead, sample.up, sample.disparity, row, false} : Ground{};
       continue;
     }
     if (apart >= least_apart && on > 0 && up <= scale.steepest * on) {
-      const Ground next{sample.ahead, sample.up, sample.disparity, row};
+      const Ground next{sample.ahead, sample.up, sample.disparity, row, true};
       any |= join(disparity, last, next, column);
       last = next;
-    } else if (here == Shows::higher && apart * down_ <= config_.image_source.corrsize / 2 + 1) {
+    } else if (here == Shows::higher && last.recedes && apart * down_ <= config_.image_source.corrsize / 2 + 1) {
       // The window of the matcher gives its rim the disparity of the rim.
       shows(row, column) = Shows::ground;
       any = true;
@@ -137,7 +138,7 @@ bool RisingGround::join(const Image& disparity, const Ground& from, const Ground
     if (shows(row, column) != Shows::higher) continue;
     const int d = disparity.row<int16_t>(row_of(disparity, row))[column_of(column)];
     if (std::abs((d - from.disparity) * (to.row - from.row) - (to.disparity - from.disparity) * (row - from.row)) >
-        same_ground * (to.row - from.row))
+        off_line * (to.row - from.row))
       continue;
     shows(row, column) = Shows::ground;
     any = true;

@@ -31,9 +31,10 @@ class RisingGround {
   enum class Shows : uint8_t { nothing, other, floor, higher, ground };
   /// The last ground in a column of samples.
   struct Ground {
-    float ahead, up;  // m along the ground, and over the plane of the floor
-    int disparity;    // 1/16 px
-    int row;          // of samples; -1: nothing leads on
+    float ahead = 0, up = 0;  // m along the ground, and over the plane of the floor
+    int disparity = 0;        // 1/16 px
+    int row = -1;             // of samples; -1: nothing leads on
+    bool recedes = false;     // from the ground before it: it is not the foot of something
   };
   struct Sample {
     float ahead, up, depth, vague;  // m; vague: by how much distances may be wrong
