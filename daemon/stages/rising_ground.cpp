@@ -15,10 +15,11 @@ constexpr int disparity_noise = 6;                            // 1/16 px: what m
 constexpr int least_apart = 2, most_apart = 6;                // samples: the noise of nearer ones is as great as what ground recedes by
 constexpr int lead_in = 8;                                    // samples of floor before what is higher
 constexpr int samples_of_step = 3;                            // that the face of a step of max_height fills, to be seen as one
-constexpr float most_receding = 2;                            // times as much as level ground does: what is farther stands behind a gap
+constexpr float most_receding = 1.6f;                         // times as much as level ground does: what is farther stands behind a gap
 constexpr int least_beside = 5;                               // of the eight samples around: alone it is noise
-constexpr int off_line = 8;                                   // 1/16 px: what is farther off the line between two of ground is none
-constexpr int same_ground = 16;                               // 1/16 px around a sample, within which ground recedes to the next
+constexpr double steepest_told = 0.35;                        // rad: a step hardly higher than max_height is as steep, far off
+constexpr int off_line = 16;     // 1/16 px: what is farther off the line between two samples of ground stands there
+constexpr int same_ground = 16;  // 1/16 px around a sample, within which ground recedes to the next
 
 }  // namespace
 
@@ -49,7 +50,7 @@ void RisingGround::mark(const Image& disparity, const FloorModel& model, const k
                     real(std::cos(model.pitch_rad)),
                     real(std::sin(model.roll_rad)) / g.f,
                     real(std::cos(model.roll_rad)) / g.f,
-                    real(std::tan(config_.floor.maxSlope)),
+                    real(std::tan(std::min<double>(config_.floor.maxSlope, steepest_told))),
                     static_cast<float>(down_) / g.f,
                     g.f * step / face};
   bool any = false;
@@ -91,14 +92,14 @@ bool RisingGround::climb(const Image& disparity, const Scale& scale, int column)
     if (last.row >= 0 && here == Shows::floor && apart < least_apart) continue;
     const Sample sample = look(disparity, scale, row, column);
     const float on = sample.nearest.ahead - last.ahead, up = sample.nearest.up - last.up;
-    const bool goes_on = last.row >= 0 && apart <= most_apart && on >= -sample.vague && on <= reach(scale, last, apart) + sample.vague;
-    if (!goes_on || (here == Shows::higher && sample.depth > scale.farthest)) {
+    const bool goes_on = last.row >= 0 && apart <= most_apart && on >= -sample.vague && on <= reach(scale, last, apart);
+    const bool recedes = goes_on && apart >= least_apart && on > 0 && up <= scale.steepest * on;
+    const Ground next{sample.ahead, sample.up, sample.disparity, row, recedes};
+    if (!goes_on || (here == Shows::higher && sample.depth > scale.farthest) ||
+        (recedes && stands_between(disparity, last, next, column))) {
       last = here == Shows::floor ? Ground{sample.ahead, sample.up, sample.disparity, row, false} : Ground{};
-      continue;
-    }
-    if (apart >= least_apart && on > 0 && up <= scale.steepest * on) {
-      const Ground next{sample.ahead, sample.up, sample.disparity, row, true};
-      any |= join(disparity, last, next, column);
+    } else if (recedes) {
+      any |= join(last, next, column);
       last = next;
     } else if (here == Shows::higher && last.recedes && apart * down_ <= config_.image_source.corrsize / 2 + 1) {
       // The window of the matcher gives its rim the disparity of the rim.
@@ -131,15 +132,22 @@ float RisingGround::reach(const Scale& scale, const Ground& from, int rows_on) c
   return most_receding * scale.recedes * from.ahead * from.ahead / high * static_cast<float>(rows_on);
 }
 
-/// What lies between two samples of ground is ground too where it is on their line: disparities of a plane are linear in the row.
-bool RisingGround::join(const Image& disparity, const Ground& from, const Ground& to, int column) noexcept {
+/// Between two samples of ground lies ground, on their line: disparities of a plane are linear in the row. What is off it is the face of
+/// something, or stands behind a brow.
+bool RisingGround::stands_between(const Image& disparity, const Ground& from, const Ground& to, int column) const noexcept {
+  const int rows = to.row - from.row;
+  for (int row = from.row + 1; row < to.row; ++row) {
+    if (shows(row, column) != Shows::higher) continue;
+    const int d = disparity.row<int16_t>(row_of(disparity, row))[column_of(column)];
+    if (std::abs((d - from.disparity) * rows - (to.disparity - from.disparity) * (row - from.row)) > off_line * rows) return true;
+  }
+  return false;
+}
+
+bool RisingGround::join(const Ground& from, const Ground& to, int column) noexcept {
   bool any = false;
   for (int row = from.row + 1; row <= to.row; ++row) {
     if (shows(row, column) != Shows::higher) continue;
-    const int d = disparity.row<int16_t>(row_of(disparity, row))[column_of(column)];
-    if (std::abs((d - from.disparity) * (to.row - from.row) - (to.disparity - from.disparity) * (row - from.row)) >
-        off_line * (to.row - from.row))
-      continue;
     shows(row, column) = Shows::ground;
     any = true;
   }

@@ -15,8 +15,8 @@ namespace vdisp {
 
 /// The local floor is the same from left to right: what lies higher beside it, a lawn behind a kerb or a bank, is an obstacle by its height
 /// where it is more than max_height over the floor. If floor leads up to it, row by row and no steeper than `maxSlope`, it is floor. What
-/// does not recede as ground does ends this, up to where floor is seen again, so the top of a step is none; and it is only told as far off
-/// as a step of max_height would be seen as one.
+/// is off the line from ground to ground ends this, up to where floor is seen again, so the top of a step is none; and it is only told as
+/// far off as a step of max_height would be seen as one. Up to six samples, 24 rows of 480, may lack a disparity or vary by its noise.
 class RisingGround {
  public:
   explicit RisingGround(const Config& config) : config_(config) {}
@@ -57,7 +57,8 @@ class RisingGround {
   Sample look(const Image& disparity, const Scale& scale, int row, int column) const noexcept;
   /// How far behind `from` ground may be seen so many rows of samples higher, m.
   float reach(const Scale& scale, const Ground& from, int rows_on) const noexcept;
-  bool join(const Image& disparity, const Ground& from, const Ground& to, int column) noexcept;
+  bool stands_between(const Image& disparity, const Ground& from, const Ground& to, int column) const noexcept;
+  bool join(const Ground& from, const Ground& to, int column) noexcept;
   bool among_ground(int row, int column) const noexcept;
   void paint(const Image& disparity, std::span<Image* const> surfaces, int row, int column) const noexcept;
   Shows shows(int row, int column) const { return shows_[static_cast<size_t>(row * columns_ + column)]; }

@@ -158,6 +158,35 @@ TEST_F(RisingGroundTest, what_stands_behind_a_brow_is_an_obstacle) {
   EXPECT_LT(share, 0.02);
 }
 
+// The foot of the wall is hidden: of what is seen first of it, nothing is ground, however near behind the brow it is.
+TEST_F(RisingGroundTest, the_lowest_part_of_a_wall_seen_over_a_brow_is_an_obstacle) {
+  config.limit.max_height = 0.2f;
+  noise = 0.1;
+  for (const double brow : {3.0, 4.0}) {
+    for (const double behind : {0.9, 1.2}) {
+      look([=](double ahead, double) {
+        const double bank = 0.3 * std::clamp((ahead - 1) / (brow - 1), 0.0, 1.0) - 0.5 * std::max(ahead - brow, 0.0);
+        return bank + 1.5 * std::clamp((ahead - brow - behind) / wall, 0.0, 1.0);
+      });
+      const auto [all, share] = floor_of([&](const Point& place) { return place.z > brow + behind - 0.05; });
+      EXPECT_GT(all, 1000) << brow << ' ' << behind;
+      EXPECT_LT(share, 0.01) << brow << ' ' << behind;
+    }
+  }
+}
+
+TEST_F(RisingGroundTest, the_top_of_a_step_hardly_higher_than_max_height_is_an_obstacle_as_far_off_as_ground_is_told) {
+  config.limit.max_height = 0.15f;  // 12 rows at 6.2 m
+  noise = 0.1;
+  for (const float steepest : {0.35f, 0.7f}) {
+    config.floor.maxSlope = steepest;
+    look(step(5.2, 0.19));
+    const auto [all, share] = floor_of([](const Point& place) { return place.z > 5.15 && place.z < 7; });
+    EXPECT_GT(all, 1000) << steepest;
+    EXPECT_LT(share, 0.02) << steepest;
+  }
+}
+
 // 3 m off, 0.1 m thick, and the bank is seen below it and above.
 TEST_F(RisingGroundTest, a_bar_before_a_bank_is_an_obstacle) {
   const double degrees = 8;
