@@ -72,38 +72,39 @@ double MapDriver::first_obstacle(double turned, double suspected_to) const noexc
   return first;
 }
 
-/// Where the ground near the rover is unknown; far where it is known well enough. What stands or may stand beyond near is no unknown
-/// ground, it only slows; but where nothing nearer is in sight, what may stand in the next few cells would be driven over unseen.
-double MapDriver::first_unknown() const noexcept {
-  const double near = config_.decide.near, far = config_.decide.far, half = half_width();
-  double nearest = far, first = far;
-  const auto may_stand = [&](const Cell& cell) { return cell.suspected && std::abs(static_cast<double>(cell.left)) < half; };
-  for (const Cell& cell : ground_) nearest = std::min(nearest, static_cast<double>(cell.ahead));
-  for (const Cell& cell : obstacles_)
-    if (may_stand(cell)) nearest = std::min(nearest, static_cast<double>(cell.ahead));
-  const double zone = std::max(near, nearest + least_zone);
+/// The nearest cell in view of the corridor, m ahead.
+double MapDriver::nearest() const noexcept {
+  double nearest = config_.decide.far;
+  const double half = half_width();
+  for (const auto* cells : {&ground_, &obstacles_}) {
+    for (const Cell& cell : *cells)
+      if (std::abs(static_cast<double>(cell.left)) < half) nearest = std::min(nearest, static_cast<double>(cell.ahead));
+  }
+  return nearest;
+}
+
+/// Where the ground up to `zone` is unknown; far where it is known well enough. What stands or may stand there is told by
+/// first_obstacle().
+double MapDriver::first_unknown(double zone) const noexcept {
+  const double near = config_.decide.near, far = config_.decide.far;
+  double first = far;
   int all = 0, unknown = 0;
-  const auto count = [&](const Cell& cell, bool is_unknown) {
-    if (static_cast<double>(cell.ahead) > zone) return;
+  for (const Cell& cell : ground_) {
+    if (static_cast<double>(cell.ahead) > zone) continue;
     ++all;
-    if (!is_unknown) return;
+    if (!cell.unknown) continue;
     ++unknown;
     first = std::min(first, static_cast<double>(cell.ahead));
-  };
-  for (const Cell& cell : ground_) count(cell, cell.unknown);
-  if (nearest > near) {
-    for (const Cell& cell : obstacles_)
-      if (may_stand(cell)) count(cell, true);
   }
-  if (all == 0) return 0;
+  if (all == 0) return first_obstacle(0, zone) < far ? far : 0;
   return unknown > most_unknown * all ? std::min(first, near) : far;
 }
 
-bool MapDriver::evade_left() const noexcept {
+bool MapDriver::evade_left(double end) const noexcept {
   double left = 0, right = 0;
   for (double turned = step_rad; turned <= most_rad; turned += step_rad) {
-    const double near = config_.decide.near, to_left = first_obstacle(turned, near), to_right = first_obstacle(-turned, near);
-    const bool free_left = to_left >= near, free_right = to_right >= near;
+    const double to_left = first_obstacle(turned, end), to_right = first_obstacle(-turned, end);
+    const bool free_left = to_left >= end, free_right = to_right >= end;
     if (free_left != free_right) return free_left;
     left += to_left;
     right += to_right;
@@ -115,12 +116,14 @@ bool MapDriver::evade_left() const noexcept {
 MapWay MapDriver::look(const Image& grid, const Image* reason) noexcept {
   collect(grid, reason);
   MapWay way;
-  const double near = config_.decide.near, far = config_.decide.far;
-  way.corridor_m = std::min(first_obstacle(0, near), reason ? first_unknown() : far);
+  const double near = config_.decide.near, far = config_.decide.far, seen_from = reason ? nearest() : 0;
+  // What stands where the view begins beyond near would be out of view before it is near.
+  const double zone = std::min(std::max(near, seen_from + least_zone), far), end = seen_from > near ? zone : near;
+  way.corridor_m = std::min(first_obstacle(0, end), reason ? first_unknown(zone) : far);
   // What is unknown up to near is not free, also where its first cell is the last.
-  way.free = way.corridor_m > near;
+  way.free = way.corridor_m > end || way.corridor_m >= far;
   way.clearness = std::clamp((std::min(way.corridor_m, first_obstacle(0, far)) - near) / (far - near), 0.0, 1.0);
-  way.left = way.free || evade_left();
+  way.left = way.free || evade_left(end);
   return way;
 }
 

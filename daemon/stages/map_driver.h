@@ -20,7 +20,7 @@ struct MapWay : Way {
 /// The way is free where no obstacle stands in the corridor nearer than [decide] near, and at most a third of the cells there that
 /// can be looked at is unknown: unknown ground near the rover is not free. What lies below the picture or too near for the matcher can
 /// not be looked at; it was when the rover came, and a grid that remembers tells it. Where the nearest cell in view lies beyond near, the
-/// next few decide, and of these what may stand counts as unknown.
+/// next 0.3 m decide instead: what stands or may stand there would be out of view before it is near.
 ///
 /// Cells in which something may stand (between free_up_to and occupied_from; of a grid that remembers those that are unknown because of an
 /// obstacle or a drop-off) lower the clearness as obstacles do, and so the speed; up to near, along the corridor, they are obstacles. That
@@ -42,8 +42,9 @@ class MapDriver {
   };
   void collect(const Image& grid, const Image* reason) noexcept;
   double first_obstacle(double turned, double suspected_to) const noexcept;
-  double first_unknown() const noexcept;
-  bool evade_left() const noexcept;
+  double nearest() const noexcept;
+  double first_unknown(double zone) const noexcept;
+  bool evade_left(double end) const noexcept;
   double half_width() const noexcept { return config_.decide.width / 2 + config_.decide.margin; }
 
   const Config& config_;

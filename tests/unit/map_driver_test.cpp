@@ -108,22 +108,33 @@ TEST_F(MapDriverTest, what_may_stand_beyond_near_is_no_unknown_ground) {
   EXPECT_FALSE(look().free) << "nothing is known of it";
 }
 
-TEST_F(MapDriverTest, what_may_stand_in_the_first_cells_in_view_is_unknown_ground_where_these_lie_beyond_near) {
+TEST_F(MapDriverTest, what_stands_or_may_stand_in_the_first_cells_in_view_is_turned_from_where_these_lie_beyond_near) {
   const auto see_from = [&](double nearest) {
     for (double ahead = 0.05; ahead < nearest; ahead += 0.1)
       for (double left = -0.55; left < 0.56; left += 0.1) put(ahead, left, -1, CellReason::too_near);
   };
-  for (const auto& [value, why] : {std::pair{41, CellReason::floor}, {64, CellReason::obstacle}, {-1, CellReason::drop_off}}) {
-    for (double ahead = 1.25; ahead < 1.5; ahead += 0.1)
+  const auto lies = [&](double to, int value, CellReason why) {
+    for (double ahead = 1.25; ahead < to; ahead += 0.1)
       for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, value, why);
-    see_from(1.2);
+  };
+  see_from(1.2);
+  for (const auto& [value, why] :
+       {std::pair{41, CellReason::floor}, {64, CellReason::obstacle}, {100, CellReason::obstacle}, {-1, CellReason::drop_off}}) {
+    lies(1.5, value, why);
     EXPECT_FALSE(look().free) << value << ' ' << name(why) << ": it would be out of view when it is near";
   }
-  for (double ahead = 1.25; ahead < 1.5; ahead += 0.1)
-    for (double left = -0.25; left < 0.26; left += 0.1) put(ahead, left, 0, CellReason::floor);
+  lies(1.5, 0, CellReason::floor);
   EXPECT_TRUE(look().free);
-  put(1.25, 0.05, 64, CellReason::obstacle);
-  EXPECT_TRUE(look().free) << "one cell of many";
+  put(1.35, 0.05, 64, CellReason::obstacle);
+  EXPECT_FALSE(look().free);
+  EXPECT_NEAR(look().corridor_m, 1.35, 1e-6);
+  put(1.35, 0.05, 0, CellReason::floor);
+  obstacle(1.65, 0.05);
+  EXPECT_TRUE(look().free) << "not among the first 0.3 m";
+  // All that is in view of the corridor may stand, from beyond near to far.
+  lies(3, 45, CellReason::floor);
+  EXPECT_FALSE(look().free);
+  EXPECT_NEAR(look().corridor_m, 1.25, 1e-6);
 }
 
 TEST_F(MapDriverTest, with_no_ground_in_sight_nothing_is_free) {
