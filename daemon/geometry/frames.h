@@ -20,12 +20,18 @@ inline Point horizontal(const Point& c, double pitch, double roll = 0) {
   return {x, y * std::cos(pitch) + c.z * std::sin(pitch), c.z * std::cos(pitch) - y * std::sin(pitch)};
 }
 
-/// h to c: paper equation 2, the inverse of horizontal().
-inline Point camera(const Point& h, double pitch, double roll = 0) {
-  const double y = h.y * std::cos(pitch) - h.z * std::sin(pitch);
-  const double z = h.y * std::sin(pitch) + h.z * std::cos(pitch);
-  return {h.x * std::cos(roll) + y * std::sin(roll), -h.x * std::sin(roll) + y * std::cos(roll), z};
-}
+/// h to c, for many points of one frame: paper equation 2, the inverse of horizontal().
+struct ToCamera {
+  double sin_pitch, cos_pitch, sin_roll, cos_roll;
+  explicit ToCamera(double pitch, double roll = 0)
+      : sin_pitch(std::sin(pitch)), cos_pitch(std::cos(pitch)), sin_roll(std::sin(roll)), cos_roll(std::cos(roll)) {}
+  Point operator()(const Point& h) const {
+    const double y = h.y * cos_pitch - h.z * sin_pitch;
+    const double z = h.y * sin_pitch + h.z * cos_pitch;
+    return {h.x * cos_roll + y * sin_roll, -h.x * sin_roll + y * cos_roll, z};
+  }
+};
+inline Point camera(const Point& h, double pitch, double roll = 0) { return ToCamera(pitch, roll)(h); }
 
 /// A rectified stereo view as the projection needs it. f in px, baseline in m, cx_offset = cx left - cx right in px.
 struct StereoView {

@@ -19,18 +19,18 @@ constexpr int least_hole = 4;                          // samples
 constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
 constexpr int dark = 14, bright = 250;                 // grey levels
 
-CellReason reason_of(uint8_t code) {
-  switch (static_cast<Rejected>(code)) {
-    case Rejected::low_texture: return CellReason::no_texture;
-    case Rejected::not_unique: return CellReason::not_unique;
-    case Rejected::left_right: return CellReason::left_right;
-    case Rejected::speckle: return CellReason::speckle;
-    case Rejected::outside: return CellReason::out_of_view;
-    case Rejected::matcher:
-    case Rejected::infinity: break;
-  }
-  return CellReason::rejected;
-}
+/// By the code of a pixel without a disparity.
+constexpr auto why_rejected = [] {
+  std::array<CellReason, 256> why{};
+  why.fill(CellReason::rejected);
+  const auto is = [&](Rejected code, CellReason reason) { why[static_cast<size_t>(code)] = reason; };
+  is(Rejected::low_texture, CellReason::no_texture);
+  is(Rejected::not_unique, CellReason::not_unique);
+  is(Rejected::left_right, CellReason::left_right);
+  is(Rejected::speckle, CellReason::speckle);
+  is(Rejected::outside, CellReason::out_of_view);
+  return why;
+}();
 
 bool is_untextured(int16_t disparity) { return rejected_code(disparity) == static_cast<uint8_t>(Rejected::low_texture); }
 
@@ -78,6 +78,7 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
                       view,
                       LocalFloor(model, view),
                       {model.pitch_rad, model.roll_rad, model.height_m},
+                      ToCamera(model.pitch_rad, model.roll_rad),
                       disparity.camera.min_disparity + disparity.camera.disparities - 1 - view.cx_offset};
   for (Image* image : out) {
     image->grid = grid_geometry(config_, disparity, model.pitch_rad);
@@ -110,7 +111,7 @@ Occupancy::Box Occupancy::box(const Inputs& in, int row, int column) const noexc
   const double cell = config_.map.cell, near = (rows_ - 1 - row) * cell, left = (column - columns_ / 2.0) * cell;
   const auto see = [&](double x, double ahead) {
     const double down = in.pose.height - in.floor.elevation(ahead);
-    return camera({x, down, ahead}, in.pose.pitch, in.pose.roll);
+    return in.to_camera({x, down, ahead});
   };
   const Point a = see(left, near), b = see(left + cell, near + cell);
   Box box{};
@@ -132,32 +133,35 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
   if (!(right > left) || bottom < top || box.d_near <= 0) return;
   const int across = std::clamp(static_cast<int>(right - left), 1, most_samples),
             down = std::clamp(static_cast<int>(bottom - top), 1, most_samples);
+  std::array<int, most_samples> columns{};
+  for (int i = 0; i < across; ++i) columns[static_cast<size_t>(i)] = static_cast<int>(left + (i + 0.5) * (right - left) / across);
   const double least = 16 * ((1 - depth_share) * box.d_far - depth_off + in.view.cx_offset);
   const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
-  const int lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
+  const int nearest = static_cast<int>(std::floor(most)), farthest = static_cast<int>(std::ceil(least)),
+            lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
+  const double wall = -1000 * hole_of_step * config_.limit.max_height;
   for (int j = 0; j < down; ++j) {
     const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
     const int16_t *d = in.disparity.row<int16_t>(v), *height = in.height.row<int16_t>(v);
     const uint8_t *surface = in.surface.row<uint8_t>(v), *grey = in.left.row<uint8_t>(v);
     for (int i = 0; i < across; ++i) {
-      const int u = static_cast<int>(left + (i + 0.5) * (right - left) / across);
-      ++tally.all;
+      const int u = columns[static_cast<size_t>(i)];
       const auto what = static_cast<kernels::Surface>(surface[u]);
       if (what == kernels::Surface::none) {
         const CellReason why = grey[u] < dark                ? CellReason::too_dark
                                : grey[u] >= bright           ? CellReason::too_bright
                                : height[u] != height_unknown ? CellReason::occluded  // upright, and its foot is hidden
-                                                             : reason_of(rejected_code(d[u]));
+                                                             : why_rejected[rejected_code(d[u])];
         ++tally.why[static_cast<size_t>(why)];
-      } else if (d[u] > most) {
+      } else if (d[u] > nearest) {
         ++tally.nearer;
-      } else if (what == kernels::Surface::floor && d[u] >= least && height[u] >= lowest) {
+      } else if (what == kernels::Surface::floor && d[u] >= farthest && height[u] >= lowest) {
         ++tally.floor;
       } else if (what == kernels::Surface::floor || what == kernels::Surface::below) {
-        const double true_d = d[u] / 16.0 - in.view.cx_offset,
-                     ahead = floor_ahead(in.view.f * in.view.baseline / true_d, in.pose.height, in.pose.pitch);
+        const double depth = in.view.f * in.view.baseline / (d[u] / 16.0 - in.view.cx_offset),
+                     ahead = (depth - in.pose.height * in.to_camera.sin_pitch) / in.to_camera.cos_pitch;
         ++tally.beyond;
-        tally.wall += what == kernels::Surface::below && height[u] > -1000 * hole_of_step * config_.limit.max_height;
+        tally.wall += what == kernels::Surface::below && height[u] > wall;
         tally.height += height[u] / 1000.0 + in.floor.elevation(ahead);
         tally.ahead += ahead;
       } else {
@@ -165,6 +169,7 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
       }
     }
   }
+  tally.all = across * down;
   if (tally.floor == 0) return;
   // The window sees the floor below what has no texture itself: the sky behind a brow, the foot of a blank wall.
   const int16_t* over =

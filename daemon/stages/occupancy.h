@@ -44,6 +44,7 @@ class Occupancy final : public ImageProcessor {
     StereoView view;
     LocalFloor floor;
     PlanePose pose;
+    ToCamera to_camera;
     double nearest;  // true disparity, px, beyond which nothing is matched
   };
   /// What is seen through a cell: m over the plane, and m along the ground; ahead = 0: nothing. `wall`: the far side of a ditch, hardly
