@@ -33,6 +33,7 @@ Kernels plain_kernels() {
       .count_near = plain::count_near,
       .sum_near = plain::sum_near,
       .count_on_plane = plain::count_on_plane,
+      .sum_on_plane = plain::sum_on_plane,
       .measure_heights = plain::measure_heights,
       .mark_above = plain::mark_above,
       .count_cells = plain::count_cells,

@@ -37,6 +37,7 @@ struct Kernels {
   CountNear* count_near;
   SumNear* sum_near;
   CountOnPlane* count_on_plane;
+  SumOnPlane* sum_on_plane;
   MeasureHeights* measure_heights;
   MarkAbove* mark_above;
   CountCells* count_cells;

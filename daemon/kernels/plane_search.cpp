@@ -18,4 +18,18 @@ PlaneCount count_on_plane(const DisparityPoints& points, size_t n, const Dispari
   return count;
 }
 
+PlaneSums sum_on_plane(const DisparityPoints& points, size_t n, const PlaneFit& plane) {
+  double sums[9][plane_parts] = {};
+  for (size_t i = 0; i < n; ++i) {
+    const double u = static_cast<double>(points.u[i]), v = static_cast<double>(points.v[i]), d = static_cast<double>(points.d[i]);
+    const double floor = plane.across * u + plane.down * v + plane.middle, within = plane.share * floor + plane.reach,
+                 off = (d - floor) / (d > floor ? within * plane.nearer_side : within), near = 1 - off * off;
+    if (!(floor > 0 && near > 0)) continue;
+    const double weight = near * near, by_u = weight * u, by_v = weight * v;
+    const double parts[] = {by_u * u, by_u * v, by_u, by_u * d, by_v * v, by_v, by_v * d, weight, weight * d};
+    for (size_t k = 0; k < 9; ++k) sums[k][i % plane_parts] += parts[k];
+  }
+  return whole(sums);
+}
+
 }  // namespace vdisp::kernels::plain

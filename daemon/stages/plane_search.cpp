@@ -16,7 +16,8 @@ constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disp
 constexpr double least_on = 40, most_beyond = 0.5;        // points
 constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
-constexpr size_t few = 3;                       // guesses are fitted to every third point, the best of them to all
+constexpr size_t points_at_once = 1024;
+constexpr size_t few = 3;  // guesses are fitted to every third point, the best of them to all
 constexpr double nearer_side = 0.7;
 constexpr double bumps = 0.25;                           // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
@@ -38,35 +39,43 @@ double PlaneSearch::reach(double floor_disparity) {
 
 void PlaneSearch::prepare(const ImageSpec& disparity) {
   const auto steps = [](int size, int step) { return static_cast<size_t>(size / step + 2); };
-  const size_t room = kernels::point_room(steps(disparity.width, step(column_step, disparity.width, 640)) *
-                                          steps(disparity.height, step(row_step, disparity.height, 480)));
-  for (auto* list : {&u_, &v_, &d_}) list->assign(room, 0.0f);
-  for (auto* list : {&feet_u_, &feet_v_, &feet_d_}) list->assign(kernels::point_room(strips * feet_of_strip), 0.0f);
+  const size_t room =
+      steps(disparity.width, step(column_step, disparity.width, 640)) * steps(disparity.height, step(row_step, disparity.height, 480));
+  all_.reserve(room);
+  few_.reserve(room / few + 1);
+  feet_.reserve(strips * feet_of_strip);
+}
+
+void PlaneSearch::List::reserve(size_t most) {
+  for (auto* list : {&u, &v, &d}) list->assign(kernels::point_room(most), 0.0f);
+}
+
+void PlaneSearch::List::add(const List& other, size_t i) {
+  u[n] = other.u[i];
+  v[n] = other.v[i];
+  d[n++] = other.d[i];
 }
 
 size_t PlaneSearch::collect(const Image& disparity) {
   const CameraGeometry& g = disparity.camera;
   const kernels::Search search = search_of(g, 16 * g.disparities);
   const int across = step(column_step, disparity.spec.width, 640), down = step(row_step, disparity.spec.height, 480);
-  n_ = feet_ = 0;
+  all_.n = few_.n = feet_.n = 0;
   std::array<int, strips> taken{};
   for (int v = disparity.spec.height - 1 - down / 2; v >= 0; v -= down) {
     const int16_t* row = disparity.row<int16_t>(v);
     // Rows are shifted against each other, so that no column of the image is always left out.
     for (int u = v * 5 / 3 % across; u < disparity.spec.width; u += across) {
       if (!search.counts(row[u])) continue;
-      u_[n_] = static_cast<float>(u) - g.cx;
-      v_[n_] = static_cast<float>(v) - g.cy;
-      d_[n_] = static_cast<float>(true_disparity(g, row[u] - search.first));
-      if (taken[static_cast<size_t>(u * strips / disparity.spec.width)]++ < feet_of_strip) {
-        feet_u_[feet_] = u_[n_];
-        feet_v_[feet_] = v_[n_];
-        feet_d_[feet_++] = d_[n_];
-      }
-      ++n_;
+      const size_t i = all_.n++;
+      all_.u[i] = static_cast<float>(u) - g.cx;
+      all_.v[i] = static_cast<float>(v) - g.cy;
+      all_.d[i] = static_cast<float>(true_disparity(g, row[u] - search.first));
+      if (i % few == 0) few_.add(all_, i);
+      if (taken[static_cast<size_t>(u * strips / disparity.spec.width)]++ < feet_of_strip) feet_.add(all_, i);
     }
   }
-  return n_;
+  return all_.n;
 }
 
 bool PlaneSearch::holds(const Found& found) {
@@ -147,37 +156,40 @@ double PlaneSearch::likely(const FloorPlane& plane, Plane kind, const StereoView
   return likely;
 }
 
-PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const {
+PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last,
+                                      double least) const {
   Found found{plane, {}, {}, likely(plane, kind, view, last)};
   if (found.score <= 0) return found;
   const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
-  found.all = machine_.kernels.count_on_plane(lists(), n_, single, plane_reach);
-  found.feet = machine_.kernels.count_on_plane({feet_u_.data(), feet_v_.data(), feet_d_.data()}, feet_, single, plane_reach);
-  const double all = found.all.on - price_of_beyond * found.all.beyond,
-               feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
-  found.score *= std::max(0.0, all + weight_of_feet * feet);
+  found.feet = machine_.kernels.count_on_plane(feet_.points(), feet_.n, single, plane_reach);
+  const double feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
+  for (size_t from = 0; from < all_.n; from += points_at_once) {
+    // Were all that are left on it, would it be worth going on?
+    const auto score_of = [&](size_t more) {
+      return found.score *
+             std::max(0.0, found.all.on + static_cast<double>(more) - price_of_beyond * found.all.beyond + weight_of_feet * feet);
+    };
+    if (score_of(all_.n - from) <= least) return {plane, {}, {}, 0};
+    const kernels::PlaneCount part =
+        machine_.kernels.count_on_plane(all_.points(from), std::min(points_at_once, all_.n - from), single, plane_reach);
+    found.all.on += part.on;
+    found.all.beyond += part.beyond;
+  }
+  found.score *= std::max(0.0, found.all.on - price_of_beyond * found.all.beyond + weight_of_feet * feet);
   return found;
 }
 
-FloorPlane PlaneSearch::refine(FloorPlane plane, size_t step) const {
-  for (const double width : {step > 1 ? 1.5 : 1.0, step > 1 ? 1.2 : 1.0}) {
-    double uu = 0, uv = 0, u1 = 0, ud = 0, vv = 0, v1 = 0, vd = 0, one = 0, d1 = 0;
-    for (size_t i = 0; i < n_; i += step) {
-      const auto [u, v, d] = point(i);
-      // What stands on the floor is nearer: on that side less is allowed for.
-      const double floor = plane.across * u + plane.down * v + plane.middle, limit = width * reach(floor) * (d > floor ? nearer_side : 1);
-      if (!(floor > 0) || std::abs(d - floor) >= limit) continue;
-      const double off = (d - floor) / limit, weight = (1 - off * off) * (1 - off * off), by_u = weight * u, by_v = weight * v;
-      uu += by_u * u;
-      uv += by_u * v;
-      u1 += by_u;
-      ud += by_u * d;
-      vv += by_v * v;
-      v1 += by_v;
-      vd += by_v * d;
-      one += weight;
-      d1 += weight * d;
-    }
+FloorPlane PlaneSearch::refine(FloorPlane plane, bool guess) const {
+  for (const double width : {guess ? 1.5 : 1.0, guess ? 1.2 : 1.0}) {
+    // What stands on the floor is nearer: on that side less is allowed for.
+    const kernels::PlaneFit fit{plane.across,
+                                plane.down,
+                                plane.middle,
+                                width * static_cast<double>(plane_reach.reach),
+                                width * static_cast<double>(plane_reach.share),
+                                nearer_side};
+    const auto [uu, uv, u1, ud, vv, v1, vd, one, d1] =
+        machine_.kernels.sum_on_plane((guess ? few_ : all_).points(), (guess ? few_ : all_).n, fit);
     double s[3][4] = {{uu, uv, u1, ud}, {uv, vv, v1, vd}, {u1, v1, one, d1}};
     for (int r = 0; r < 3; ++r) {
       if (std::abs(s[r][r]) < 1e-6) return plane;
@@ -193,7 +205,7 @@ FloorPlane PlaneSearch::refine(FloorPlane plane, size_t step) const {
 }
 
 std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, uint64_t seed, const Expected* last, bool trusted) {
-  if (n_ < 3) return std::nullopt;
+  if (all_.n < 3) return std::nullopt;
   Random random(static_cast<uint32_t>(seed % 2147483646 + 1));
   last_roll_.reset();
   if (last) last_roll_ = std::atan2(last->plane.across, last->plane.down);
@@ -217,20 +229,21 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
     for (; i > 0 && best[i - 1].score < found.score; --i) best[i] = best[i - 1];
     best[i] = found;
   };
+  const auto worst_kept = [&] { return count < kept ? 0.0 : best[kept - 1].score; };
   if (last) keep(judge(last->plane, Plane::fit, view, last));
   for (int kind = 0; kind < 3; ++kind) {
     for (int i = 0; i < tries_of_kind[kind]; ++i) {
-      if (const auto plane = draw(kind, random, view)) keep(judge(*plane, Plane::guess, view, last));
+      if (const auto plane = draw(kind, random, view)) keep(judge(*plane, Plane::guess, view, last, worst_kept()));
     }
   }
   std::optional<Found> winner;
   for (size_t i = 0; i < count; ++i) {
     // What a fit makes of a guess counts, not the guess: a guess is as near as it may be to what was expected.
-    const Found found = judge(refine(best[i].plane, few), Plane::fit, view, last);
+    const Found found = judge(refine(best[i].plane, true), Plane::fit, view, last);
     if (found.score > 0 && (!winner || found.score > winner->score)) winner = found;
   }
   if (!winner) return winner;
-  const Found exact = judge(refine(winner->plane, 1), Plane::fit, view, last);
+  const Found exact = judge(refine(winner->plane, false), Plane::fit, view, last);
   return exact.score > 0 ? exact : winner;
 }
 

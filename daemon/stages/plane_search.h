@@ -31,11 +31,11 @@ class PlaneSearch {
   };
   /// Takes every few pixels of the disparity image that have a disparity above 0. Returns how many.
   size_t collect(const Image& disparity);
-  size_t points() const { return n_; }
-  size_t most_points() const { return u_.size(); }
+  size_t points() const { return all_.n; }
+  size_t most_points() const { return all_.u.size(); }
   /// u - cx, v - cy and true disparity of a point.
   std::array<double, 3> point(size_t i) const {
-    return {static_cast<double>(u_[i]), static_cast<double>(v_[i]), static_cast<double>(d_[i])};
+    return {static_cast<double>(all_.u[i]), static_cast<double>(all_.v[i]), static_cast<double>(all_.d[i])};
   }
   /// Where the floor is expected, and the angle off it, rad, at which that counts half.
   struct Expected {
@@ -64,18 +64,25 @@ class PlaneSearch {
   bool within_mounting(const PlanePose& pose) const;
   bool drivable(const PlanePose& pose) const;
   std::optional<Found> try_planes(const StereoView& view, Random& random, const Expected* last);
-  Found judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last) const;
-  /// Fits it to every `step`th of its points; from 2 on as a guess, that may be far off.
-  FloorPlane refine(FloorPlane plane, size_t step) const;
-  kernels::DisparityPoints lists() const { return {u_.data(), v_.data(), d_.data()}; }
-  size_t any(Random& random) const { return random() % n_; }
+  /// What cannot have a score above `least` scores 0, and is not counted to the end.
+  Found judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last, double least = 0) const;
+  /// Fits it to its points: a guess, that may be far off, to every few.
+  FloorPlane refine(FloorPlane plane, bool guess) const;
+  size_t any(Random& random) const { return random() % all_.n; }
+
+  struct List {
+    mutable kernels::Aligned<float> u, v, d;
+    size_t n = 0;
+    void reserve(size_t most);
+    kernels::DisparityPoints points(size_t from = 0) const { return {u.data() + from, v.data() + from, d.data() + from}; }
+    void add(const List& other, size_t i);
+  };
 
   Machine& machine_;
   const Config& config_;
-  mutable kernels::Aligned<float> u_, v_, d_, feet_u_, feet_v_, feet_d_;
-  size_t n_ = 0, feet_ = 0;  // points; how many of them are also in the lists of the lowest
-  bool mounted_ = false;     // guesses: only what agrees with [mounting]
-  bool trusted_ = false;     // guesses and fits: only what is drivable
+  List all_, few_, feet_;  // points from below; every few of them; the lowest of each part of the image's width
+  bool mounted_ = false;   // guesses: only what agrees with [mounting]
+  bool trusted_ = false;   // guesses and fits: only what is drivable
   std::optional<double> last_roll_;
 };
 

@@ -48,6 +48,37 @@ TEST(CountOnPlane, counts_what_is_on_it_and_what_is_beyond_and_nothing_above_the
   EXPECT_EQ(plain::count_on_plane(cloud.points(), 5, {0, -0.1f, 0}, {100, 0}), PlaneCount{}) << "a plane above its horizon is nowhere";
 }
 
+TEST(SumOnPlane, is_the_same_at_every_level) {
+  at_each_level([](const std::string&, const Kernels& k) {
+    for (size_t n : {0, 1, 3, 4, 5, 15, 64, 1000, 5003}) {
+      Cloud cloud(n, static_cast<uint32_t>(n));
+      for (const PlaneFit& plane :
+           {PlaneFit{0, 0.11, 20, 0.75, 0.03, 0.7}, PlaneFit{0.02, 0.3, -5, 1.1, 0.04, 1}, PlaneFit{0, 0, -1, 1, 0, 1}})
+        ASSERT_EQ(k.sum_on_plane(cloud.points(), n, plane), plain::sum_on_plane(cloud.points(), n, plane)) << n;
+    }
+  });
+}
+
+/// On a plane of 10 px everywhere: what lies on it counts whole, halfway to the end of its reach 9/16, on the nearer side by half that
+/// reach.
+TEST(SumOnPlane, weighs_by_what_a_point_is_off) {
+  Cloud cloud(5, 0);
+  const float d[] = {10, 9.5f, 10.25f, 10.6f, 8.9f};
+  for (size_t i = 0; i < 5; ++i) {
+    cloud.lists[0][i] = 2;
+    cloud.lists[1][i] = 3;
+    cloud.lists[2][i] = d[i];
+  }
+  const PlaneSums sums = plain::sum_on_plane(cloud.points(), 5, {0, 0, 10, 1, 0, 0.5});
+  const double weight = 1 + 2 * 9 / 16.0;
+  EXPECT_EQ(sums.one, weight);
+  EXPECT_EQ(sums.d, 10 + (9.5 + 10.25) * 9 / 16);
+  EXPECT_EQ(sums.uv, 6 * weight);
+  EXPECT_EQ(sums.uu, 4 * weight);
+  EXPECT_EQ(sums.v, 3 * weight);
+  EXPECT_EQ(plain::sum_on_plane(cloud.points(), 5, {0, 0, -10, 100, 0, 1}).one, 0) << "a plane above its horizon is nowhere";
+}
+
 struct Heights {
   std::vector<int16_t> height, obstacles, overhangs;
   std::vector<uint8_t> surface;
