@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "daemon/kernels/search.h"
@@ -22,14 +23,20 @@ enum class Surface : uint8_t {
 /// `camera` and `scale` are both the height of the camera, mm.
 struct HeightRow {
   float camera, first, step;
-  float step_mm;       ///< above: obstacle
-  float clearance_mm;  ///< from here on: overhang
-  float hole_mm;       ///< positive; lower than minus this: below
+  int step_mm;       ///< from here on: obstacle
+  int clearance_mm;  ///< from here on: overhang
+  int hole_mm;       ///< positive; from minus this on downwards: below
 };
 
-/// Per raw disparity, from search.first on: inverse[i] = camera / d' of it, profile[i] = height of the local floor over the plane, mm.
-struct HeightTables {
-  const float *inverse, *profile;
+/// Per raw disparity, from search.first on: inverse = camera / d' of it, profile = height of the local floor over the plane, mm. Both are
+/// packed in one number, as half as many loads are half the time.
+struct HeightOf {
+  float inverse, profile;
+};
+inline int64_t packed(const HeightOf& one) { return std::bit_cast<int64_t>(one); }
+struct HeightTable {
+  const int64_t* heights;
+  HeightOf operator[](int i) const { return std::bit_cast<HeightOf>(heights[i]); }
 };
 
 /// One row of `n` disparities: height in mm, rounded towards zero and held within +-32000 (`none` where there is no disparity), the
@@ -40,7 +47,7 @@ struct HeightOut {
   int16_t *obstacles, *overhangs;
   int16_t none, refused;
 };
-using MeasureHeights = void(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTables& tables,
+using MeasureHeights = void(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTable& table,
                             const HeightOut& out);
 
 namespace plain {

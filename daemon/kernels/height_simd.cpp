@@ -19,44 +19,61 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-void measure_heights(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTables& tables,
+void measure_heights(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTable& table,
                      const HeightOut& out) {
-  plain::measure_heights(disparity, n, search, row, tables, out);
+  plain::measure_heights(disparity, n, search, row, table, out);
 }
 #else
 
-void measure_heights(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTables& tables,
+void measure_heights(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTable& table,
                      const HeightOut& out) {
-  const hn::ScalableTag<float> df;
-  const hn::RebindToSigned<decltype(df)> di;
-  const hn::Rebind<int16_t, decltype(df)> d16;
-  const hn::Rebind<uint8_t, decltype(df)> d8;
-  const int lanes = static_cast<int>(hn::Lanes(df));
+  const hn::ScalableTag<int16_t> d16;
+  const hn::RepartitionToWide<decltype(d16)> di;
+  const hn::RebindToFloat<decltype(di)> df;
+  const hn::RepartitionToWide<decltype(di)> d64;
+  const hn::Half<decltype(d16)> half16;
+  const hn::Half<decltype(di)> half32;
+  const hn::Rebind<uint8_t, decltype(d16)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d16)), half = lanes / 2;
   const auto camera = hn::Set(df, row.camera), first = hn::Set(df, row.first), step = hn::Set(df, row.step);
-  const auto step_mm = hn::Set(df, row.step_mm), clearance = hn::Set(df, row.clearance_mm), hole = hn::Set(df, -row.hole_mm);
   const auto most = hn::Set(df, 32000.0f), least = hn::Set(df, -32000.0f);
-  const auto origin = hn::Set(di, search.first), before = hn::Set(di, search.least - 1), end = hn::Set(di, search.end());
-  const auto none = hn::Set(di, out.none), refused = hn::Set(di, out.refused);
-  const auto is = [&](Surface surface) HWY_ATTR { return hn::Set(di, static_cast<int32_t>(surface)); };
-  int u = 0;
-  for (; u + lanes <= n; u += lanes) {
-    const auto d = hn::PromoteTo(di, hn::LoadU(d16, disparity + u));
-    const auto counts = hn::And(hn::Gt(d, before), hn::Lt(d, end));
-    const auto index = hn::IfThenElseZero(counts, hn::Sub(d, origin));
+  const auto number = [&](int value) HWY_ATTR { return hn::Set(d16, static_cast<int16_t>(value)); };
+  const auto is = [&](Surface surface) HWY_ATTR { return number(static_cast<int>(surface)); };
+  const auto origin = number(search.first), before = number(search.least - 1), end = number(search.end());
+  const auto below_step = number(row.step_mm - 1), below_clearance = number(row.clearance_mm - 1), over_hole = number(1 - row.hole_mm);
+  const auto none = number(out.none), refused = number(out.refused);
+  // Pairs of floats: inverse, profile, inverse, profile...
+  const auto look_up = [&](auto index) HWY_ATTR { return hn::BitCast(df, hn::GatherIndex(d64, table.heights, hn::PromoteTo(d64, index))); };
+  const auto measure = [&](auto index16, int u) HWY_ATTR {
+    const auto index = hn::PromoteTo(di, index16);
+    const auto near = look_up(hn::LowerHalf(index)), far = look_up(hn::UpperHalf(half32, index));
     const auto column = hn::ConvertTo(df, hn::Add(hn::Iota(di, 0), hn::Set(di, u)));
     // Multiplied and added one after the other, as in the plain form: a fused step would round differently.
     const auto floor = hn::Add(hn::Mul(step, column), first);
-    const auto fallen = hn::Sub(camera, hn::Mul(floor, hn::GatherIndex(df, tables.inverse, index)));
-    const auto height = hn::Sub(fallen, hn::GatherIndex(df, tables.profile, index));
-    const auto mm = hn::ConvertTo(di, hn::Min(hn::Max(height, least), most));
-    auto surface = hn::IfThenElse(hn::RebindMask(di, hn::Gt(height, step_mm)), is(Surface::obstacle), is(Surface::floor));
-    surface = hn::IfThenElse(hn::RebindMask(di, hn::Ge(height, clearance)), is(Surface::overhang), surface);
-    surface = hn::IfThenElse(hn::RebindMask(di, hn::Lt(height, hole)), is(Surface::below), surface);
-    surface = hn::IfThenElseZero(counts, surface);
-    const auto narrow = [&](auto v, int16_t* to) HWY_ATTR { hn::StoreU(hn::DemoteTo(d16, v), d16, to + u); };
-    narrow(hn::IfThenElse(counts, mm, none), out.height);
-    narrow(hn::IfThenElse(hn::Eq(surface, is(Surface::obstacle)), d, refused), out.obstacles);
-    narrow(hn::IfThenElse(hn::Eq(surface, is(Surface::overhang)), d, refused), out.overhangs);
+    const auto fallen = hn::Sub(camera, hn::Mul(floor, hn::ConcatEven(df, far, near)));
+    const auto height = hn::Sub(fallen, hn::ConcatOdd(df, far, near));
+    return hn::DemoteTo(half16, hn::ConvertTo(di, hn::Min(hn::Max(height, least), most)));
+  };
+  int u = 0;
+  for (; u + lanes <= n; u += lanes) {
+    const auto d = hn::LoadU(d16, disparity + u);
+    const auto counts = hn::And(hn::Gt(d, before), hn::Lt(d, end));
+    if (hn::AllFalse(d16, counts)) {
+      hn::StoreU(none, d16, out.height + u);
+      hn::StoreU(refused, d16, out.obstacles + u);
+      hn::StoreU(refused, d16, out.overhangs + u);
+      hn::StoreU(hn::Zero(d8), d8, out.surface + u);
+      continue;
+    }
+    const auto index = hn::IfThenElseZero(counts, hn::Sub(d, origin));
+    const auto mm = hn::Combine(d16, measure(hn::UpperHalf(half16, index), u + half), measure(hn::LowerHalf(index), u));
+    const auto above = hn::And(counts, hn::Gt(mm, below_step)), over = hn::And(counts, hn::Gt(mm, below_clearance));
+    auto surface = hn::IfThenElse(above, is(Surface::obstacle), hn::IfThenElseZero(counts, is(Surface::floor)));
+    surface = hn::IfThenElse(over, is(Surface::overhang), surface);
+    surface = hn::IfThenElse(hn::And(counts, hn::Lt(mm, over_hole)), is(Surface::below), surface);
+    hn::StoreU(hn::IfThenElse(counts, mm, none), d16, out.height + u);
+    hn::StoreU(hn::IfThenElse(hn::Eq(surface, is(Surface::obstacle)), d, refused), d16, out.obstacles + u);
+    hn::StoreU(hn::IfThenElse(hn::Eq(surface, is(Surface::overhang)), d, refused), d16, out.overhangs + u);
     hn::StoreU(hn::DemoteTo(d8, surface), d8, out.surface + u);
   }
   if (u == n) return;
@@ -67,7 +84,7 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
     rest.first = row.step * static_cast<float>(u + k) + row.first;
     rest.step = 0;
     const HeightOut one{rest_out.height + k, rest_out.surface + k, rest_out.obstacles + k, rest_out.overhangs + k, out.none, out.refused};
-    plain::measure_heights(disparity + u + k, 1, search, rest, tables, one);
+    plain::measure_heights(disparity + u + k, 1, search, rest, table, one);
   }
 }
 #endif

@@ -43,10 +43,11 @@ float Filling::height(const Frame& frame, int column, int row, float disparity) 
   const int d = static_cast<int>(std::lround(disparity)), at = d - frame.search.first;
   if (!frame.search.counts(d)) return NAN;
   const float floor = static_cast<float>(frame.plane.at(column, row, frame.view));
-  return frame.camera_mm - floor * frame.tables.inverse[at] - frame.tables.profile[at];
+  const kernels::HeightOf of = frame.table[at];
+  return frame.camera_mm - floor * of.inverse - of.profile;
 }
 
-void Filling::fill(const Image& disparity, const Image& left, const FloorModel& model, const kernels::HeightTables& tables,
+void Filling::fill(const Image& disparity, const Image& left, const FloorModel& model, const kernels::HeightTable& table,
                    std::span<Image* const> surfaces) noexcept {
   if (config_.limit.fill == 0) return;
   const StereoView view = stereo_view(disparity);
@@ -57,7 +58,7 @@ void Filling::fill(const Image& disparity, const Image& left, const FloorModel& 
                     LocalFloor(model, view).plane(),
                     static_cast<float>(1000 * model.height_m),
                     search_of(disparity.camera, 16 * disparity.camera.disparities),
-                    tables};
+                    table};
   runs_.clear();
   size_t above = 0;
   for (int number = 0; number < rows_; ++number) {

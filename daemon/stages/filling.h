@@ -24,9 +24,9 @@ class Filling {
  public:
   explicit Filling(const Config& config) : config_(config) {}
   void prepare(const ImageSpec& disparity);
-  /// `tables`: of the frame, for all that search_of() has. `surfaces`: height16, surface and obstacles of the disparity image, as the stage
+  /// `table`: of the frame, for all that search_of() has. `surfaces`: height16, surface and obstacles of the disparity image, as the stage
   /// has them so far.
-  void fill(const Image& disparity, const Image& left, const FloorModel& model, const kernels::HeightTables& tables,
+  void fill(const Image& disparity, const Image& left, const FloorModel& model, const kernels::HeightTable& table,
             std::span<Image* const> surfaces) noexcept;
 
  private:
@@ -60,7 +60,7 @@ class Filling {
     FloorPlane plane;
     float camera_mm;
     kernels::Search search;
-    kernels::HeightTables tables;
+    kernels::HeightTable table;
   };
   /// mm over the local floor of what has this disparity, 1/16 px; NaN: not in the search.
   static float height(const Frame& frame, int column, int row, float disparity);

@@ -51,14 +51,16 @@ void FloorProfile::count(const PlaneSearch& points, const Image& disparity, cons
   const double down = 1 / (16 * model.a), middle_disparity = down * (view.cy - model.b);
   const double cos_roll = std::cos(model.roll_rad), sin_roll = std::sin(model.roll_rad);
   const int rows = std::max(recede_rows * disparity.spec.height / 480, 2), bottom = disparity.spec.height - 1;
-  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope), per_level = 1 / scale.level;
+  const double least_fall = least_receding * 16 * rows * down, steepest = std::tan(config_.floor.maxSlope), per_level = 1 / scale.level,
+               per_step = 1 / scale.step;
   for (size_t i = 0; i < points.points(); ++i) {
     const auto [u, v, d] = points.point(i);
     if (d <= 0.5) continue;
-    const double z = fb / d, y = (u * sin_roll + v * cos_roll) * z / view.f, ahead = z * cos_pitch - y * sin_pitch;
-    const int bin = static_cast<int>(std::floor(ahead / scale.step));
-    if (bin < 0 || bin >= scale.count) continue;
-    const double floor = model.tilt * u + down * v + middle_disparity, height = model.height_m * (1 - floor / d);
+    const double inverse = 1 / d, z = fb * inverse, y = (u * sin_roll + v * cos_roll) * z / view.f, ahead = z * cos_pitch - y * sin_pitch;
+    const double steps = ahead * per_step;
+    if (!(steps >= 0 && steps < scale.count)) continue;
+    const int bin = static_cast<int>(steps);
+    const double floor = model.tilt * u + down * v + middle_disparity, height = model.height_m * (1 - floor * inverse);
     // Rounded by casts: lround is a call.
     const double level = std::max(height * per_level + middle + 0.5, 0.0);
     if (level >= levels) continue;

@@ -32,7 +32,7 @@ void RisingGround::prepare(const ImageSpec& disparity) {
   higher_from_.assign(static_cast<size_t>(columns_), rows_);
 }
 
-void RisingGround::mark(const Image& disparity, const FloorModel& model, const kernels::HeightTables& tables,
+void RisingGround::mark(const Image& disparity, const FloorModel& model, const kernels::HeightTable& table,
                         std::span<Image* const> surfaces) noexcept {
   step_mm_ = static_cast<int>(1000 * config_.limit.max_height);
   std::fill(higher_from_.begin(), higher_from_.end(), rows_);
@@ -41,7 +41,7 @@ void RisingGround::mark(const Image& disparity, const FloorModel& model, const k
   const auto real = [](double value) { return static_cast<float>(value); };
   const float fb = g.f * g.baseline, high = real(model.height_m), step = real(config_.limit.max_height);
   const float face = static_cast<float>(std::max(samples_of_step * down_, config_.image_source.corrsize + 1));
-  const Scale scale{tables.inverse,
+  const Scale scale{table,
                     16 * g.min_disparity,
                     fb / (1000 * high),
                     disparity_noise / (16 * fb),
@@ -116,8 +116,8 @@ RisingGround::Sample RisingGround::look(const Image& disparity, const Scale& sca
   const float slope =
       (static_cast<float>(u) - disparity.camera.cx) * scale.across + (static_cast<float>(v) - disparity.camera.cy) * scale.down;
   const float on_a_metre = scale.cos_pitch - slope * scale.sin_pitch, down_a_metre = scale.sin_pitch + slope * scale.cos_pitch;
-  const float* inverse = scale.inverse + (d - scale.first);
-  const float z = inverse[0] * scale.depth, nearest = inverse[disparity_noise] * scale.depth;
+  const int at = d - scale.first;
+  const float z = scale.table[at].inverse * scale.depth, nearest = scale.table[at + disparity_noise].inverse * scale.depth;
   return {z * on_a_metre,
           scale.height - z * down_a_metre,
           z,

@@ -21,10 +21,9 @@ class RisingGround {
  public:
   explicit RisingGround(const Config& config) : config_(config) {}
   void prepare(const ImageSpec& disparity);
-  /// What is an obstacle by its height, and such ground, becomes floor. `tables`: of the frame. `surfaces`: height16, surface and obstacles
+  /// What is an obstacle by its height, and such ground, becomes floor. `table`: of the frame. `surfaces`: height16, surface and obstacles
   /// of the disparity image, as the stage has them.
-  void mark(const Image& disparity, const FloorModel& model, const kernels::HeightTables& tables,
-            std::span<Image* const> surfaces) noexcept;
+  void mark(const Image& disparity, const FloorModel& model, const kernels::HeightTable& table, std::span<Image* const> surfaces) noexcept;
 
  private:
   /// What a sample shows. `higher`: an obstacle by its height over the local floor; `ground`: what of that is ground.
@@ -43,9 +42,9 @@ class RisingGround {
     } nearest;  // the same where its disparity is greater by the noise
     int disparity;
   };
-  /// Of a frame. A point at the disparity d lies inverse[d - first] * depth m away.
+  /// Of a frame. A point at the disparity d lies table[d - first].inverse * depth m away.
   struct Scale {
-    const float* inverse;
+    kernels::HeightTable table;
     int first;
     float depth, noise;                                // noise: m that distances are vague by, at 1 m
     float height, sin_pitch, cos_pitch, across, down;  // of the view: m, and what a px adds to the slope of its ray

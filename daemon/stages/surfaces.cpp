@@ -29,8 +29,7 @@ std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
   require(in[2], Pixel::gray8, "the left view");
   require_same_size(in[0], in[2]);
   const size_t columns = 16 * static_cast<size_t>(config_.image_source.ndisp) + 64;
-  inverse_.assign(columns, 0.0f);
-  profile_.assign(columns, 0.0f);
+  heights_.assign(columns, 0);
   upright_.prepare(in[0]);
   rising_.prepare(in[0]);
   filling_.prepare(in[0]);
@@ -52,31 +51,29 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
   const kernels::Search search = search_of(disparity.camera, 16 * disparity.camera.disparities);
   const double camera_mm = 1000 * model.height_m;
   // RisingGround looks up what is a little nearer, too.
-  const int most = std::min<int>(search.columns + 16, static_cast<int>(inverse_.size()));
+  const int most = std::min<int>(search.columns + 16, static_cast<int>(heights_.size()));
   for (int column = search.least - search.first; column < most; ++column) {
     const double d = true_disparity(disparity.camera, column);
-    inverse_[static_cast<size_t>(column)] = static_cast<float>(camera_mm / d);
-    profile_[static_cast<size_t>(column)] = static_cast<float>(1000 * floor.elevation_of(d));
+    heights_[static_cast<size_t>(column)] =
+        kernels::packed({static_cast<float>(camera_mm / d), static_cast<float>(1000 * floor.elevation_of(d))});
   }
-  const double max_height = config_.limit.max_height;
+  const kernels::HeightTable table{heights_.data()};
+  const auto mm = [](double m) { return static_cast<int>(std::lround(std::min(1000 * m, 32000.0))); };
   for (Image* image : out) image->flags |= in[1]->flags & flag_held;
   machine_.bands.run(disparity.spec.height, least_band, [&](int first, int last, int) {
-    kernels::HeightRow row{static_cast<float>(camera_mm),
-                           0,
-                           static_cast<float>(plane.across),
-                           static_cast<float>(1000 * max_height),
-                           static_cast<float>(1000 * config_.limit.clearance),
-                           static_cast<float>(1000 * hole_of_step * max_height)};
+    kernels::HeightRow row{static_cast<float>(camera_mm),    0,
+                           static_cast<float>(plane.across), mm(config_.limit.max_height),
+                           mm(config_.limit.clearance),      mm(hole_of_step * config_.limit.max_height)};
     for (int v = first; v < last; ++v) {
       row.first = static_cast<float>(plane.at(0, v, view));
-      machine_.kernels.measure_heights(disparity.row<int16_t>(v), disparity.spec.width, search, row, {inverse_.data(), profile_.data()},
+      machine_.kernels.measure_heights(disparity.row<int16_t>(v), disparity.spec.width, search, row, table,
                                        {out[0]->row<int16_t>(v), out[1]->row<uint8_t>(v), out[2]->row<int16_t>(v), out[3]->row<int16_t>(v),
                                         height_unknown, rejected(Rejected::matcher)});
     }
   });
   upright_.mark(disparity, model, out);
-  rising_.mark(disparity, model, {inverse_.data(), profile_.data()}, out);
-  filling_.fill(disparity, *in[2], model, {inverse_.data(), profile_.data()}, out);
+  rising_.mark(disparity, model, table, out);
+  filling_.fill(disparity, *in[2], model, table, out);
   return Outcome::valid;
 }
 

@@ -89,20 +89,19 @@ struct Heights {
 
 TEST(MeasureHeights, is_the_same_at_every_level) {
   const Search search{-32, 16, 16 * 48};
-  std::vector<float> inverse(static_cast<size_t>(search.columns)), profile(inverse.size());
-  for (size_t i = 0; i < inverse.size(); ++i) {
-    inverse[i] = 800.0f * 16 / static_cast<float>(static_cast<int>(i) - 31);
-    profile[i] = static_cast<float>(i % 100) - 50;
-  }
+  std::vector<int64_t> table(static_cast<size_t>(search.columns));
+  for (size_t i = 0; i < table.size(); ++i)
+    table[i] = packed({800.0f * 16 / static_cast<float>(static_cast<int>(i) - 31), static_cast<float>(i % 100) - 50});
   at_each_level([&](const std::string&, const Kernels& k) {
     for (int n : {1, 7, 16, 33, 640, 641}) {
       std::minstd_rand random(static_cast<uint32_t>(n));
       std::vector<int16_t> d(static_cast<size_t>(n));
       for (auto& pixel : d) pixel = static_cast<int16_t>(random() % 3 ? random() % 800 : -32001);
+      if (n == 640) std::fill(d.begin() + 100, d.begin() + 300, int16_t{-32003});  // whole vectors without a disparity
       Heights expected(d.size()), got(d.size());
       const HeightRow row{800, 12.3f, 0.017f, 200, 900, 150};
-      plain::measure_heights(d.data(), n, search, row, {inverse.data(), profile.data()}, expected.out());
-      k.measure_heights(d.data(), n, search, row, {inverse.data(), profile.data()}, got.out());
+      plain::measure_heights(d.data(), n, search, row, {table.data()}, expected.out());
+      k.measure_heights(d.data(), n, search, row, {table.data()}, got.out());
       ASSERT_EQ(got, expected) << n << " pixels";
     }
   });
@@ -111,12 +110,11 @@ TEST(MeasureHeights, is_the_same_at_every_level) {
 /// A camera 0.8 m high sees the floor with 20 px: what has 40 px there lies halfway to it, and so halfway up.
 TEST(MeasureHeights, follow_from_the_proportion_of_disparities) {
   const Search search{0, 16, 16 * 64};
-  std::vector<float> inverse(1024), profile(1024, 0.0f);
-  for (size_t i = 1; i < inverse.size(); ++i) inverse[i] = 800.0f * 16 / static_cast<float>(i);
-  profile[16 * 40] = 100;
+  std::vector<int64_t> table(1024);
+  for (size_t i = 1; i < table.size(); ++i) table[i] = packed({800.0f * 16 / static_cast<float>(i), i == 16 * 40 ? 100.0f : 0.0f});
   const std::vector<int16_t> d{16 * 20, 16 * 40, 16 * 60, 16 * 16, 0};
   Heights h(d.size());
-  plain::measure_heights(d.data(), 5, search, {800, 20, 0, 200, 500, 150}, {inverse.data(), profile.data()}, h.out());
+  plain::measure_heights(d.data(), 5, search, {800, 20, 0, 200, 500, 150}, {table.data()}, h.out());
   EXPECT_EQ(h.height[0], 0);
   EXPECT_EQ(h.height[1], 300) << "400 mm over the plane, and the local floor 100 mm";
   EXPECT_EQ(h.height[2], 533);
