@@ -44,18 +44,21 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
   const auto none = number(out.none), refused = number(out.refused);
   // Pairs of floats: inverse, profile, inverse, profile...
   const auto look_up = [&](auto index) HWY_ATTR { return hn::BitCast(df, hn::GatherIndex(d64, table.heights, hn::PromoteTo(d64, index))); };
-  const auto measure = [&](auto index16, int u) HWY_ATTR {
+  const auto measure = [&](auto index16, auto column) HWY_ATTR {
     const auto index = hn::PromoteTo(di, index16);
     const auto near = look_up(hn::LowerHalf(index)), far = look_up(hn::UpperHalf(half32, index));
-    const auto column = hn::ConvertTo(df, hn::Add(hn::Iota(di, 0), hn::Set(di, u)));
     // Multiplied and added one after the other, as in the plain form: a fused step would round differently.
     const auto floor = hn::Add(hn::Mul(step, column), first);
     const auto fallen = hn::Sub(camera, hn::Mul(floor, hn::ConcatEven(df, far, near)));
     const auto height = hn::Sub(fallen, hn::ConcatOdd(df, far, near));
     return hn::DemoteTo(half16, hn::ConvertTo(di, hn::Min(hn::Max(height, least), most)));
   };
+  auto column = hn::Iota(df, 0.0f);
+  const auto next_columns = hn::Set(df, static_cast<float>(half));
   int u = 0;
   for (; u + lanes <= n; u += lanes) {
+    const auto left = column, right = hn::Add(column, next_columns);
+    column = hn::Add(right, next_columns);
     const auto d = hn::LoadU(d16, disparity + u);
     const auto counts = hn::And(hn::Gt(d, before), hn::Lt(d, end));
     if (hn::AllFalse(d16, counts)) {
@@ -66,7 +69,7 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
       continue;
     }
     const auto index = hn::IfThenElseZero(counts, hn::Sub(d, origin));
-    const auto mm = hn::Combine(d16, measure(hn::UpperHalf(half16, index), u + half), measure(hn::LowerHalf(index), u));
+    const auto mm = hn::Combine(d16, measure(hn::UpperHalf(half16, index), right), measure(hn::LowerHalf(index), left));
     const auto above = hn::And(counts, hn::Gt(mm, below_step)), over = hn::And(counts, hn::Gt(mm, below_clearance));
     auto surface = hn::IfThenElse(above, is(Surface::obstacle), hn::IfThenElseZero(counts, is(Surface::floor)));
     surface = hn::IfThenElse(over, is(Surface::overhang), surface);

@@ -98,12 +98,13 @@ void Filling::find_runs(const Frame& frame, int number) noexcept {
   };
   for (int i = 1; i + 1 < columns_; ++i) {
     const int middle = i * across_ + across_ / 2;
+    if (from < 0 && d[middle] > least_matched) continue;  // no run begins with a match: mostly there is no more to look at
     const int one = grey[middle - across_ / 2], two = grey[middle], three = grey[middle + across_ / 2], four = grey[middle + across_];
     const int least = std::min(std::min(one, two), std::min(three, four)), greatest = std::max(std::max(one, two), std::max(three, four));
     const int four_greys = one + two + three + four;
     // Two matches side by side are no false ones.
     const bool match = d[middle] > least_matched, matches = match && d[middle + across_] > least_matched;
-    if (greatest - least > even_within || matches || (from < 0 ? match : std::abs(four_greys - before) > 4 * even_step)) {
+    if (greatest - least > even_within || matches || (from >= 0 && std::abs(four_greys - before) > 4 * even_step)) {
       close(i);
       continue;
     }
