@@ -33,9 +33,10 @@ void Occupancy::find_patch(int begin, Is is) noexcept {
 }
 
 /// Whether what stands in island_ is narrow, has hardly more pixels than a window of the matcher, and is seen to its end. So far off that
-/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is. Of what goes on beyond the map's
-/// far border more is seen when it comes nearer; what is beside the map is not known.
-bool Occupancy::may_be_false(const Inputs& in) noexcept {
+/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is, if it does not hang in the air
+/// with floor to be seen under it. Of what goes on beyond the map's far border more is seen when it comes nearer; what is beside the map is
+/// not known.
+bool Occupancy::may_be_false(const Inputs& in, const Image& reason) noexcept {
   const int side = config_.image_source.corrsize;
   int pixels = 0, first = columns_, last = 0, nearest = island_.front();
   counted_.clear();
@@ -56,7 +57,8 @@ bool Occupancy::may_be_false(const Inputs& in) noexcept {
   }
   const int row = nearest / columns_;
   if (first == 0 || last == columns_ - 1 || row == rows_ - 1 || last - first + 1 > windows(in, row)) return false;
-  if (least_object(in, box(in, row, nearest % columns_)) >= least_windows * side * side) return false;
+  const bool stands = !std::all_of(island_.begin(), island_.end(), [&](int cell) { return is_seen_under(in, cell, reason); });
+  if (stands && least_object(in, box(in, row, nearest % columns_)) >= least_windows * side * side) return false;
   return std::all_of(island_.begin(), island_.end(),
                      [&](int cell) { return part_in_view(in, box(in, cell / columns_, cell % columns_)) >= 1; });
 }
@@ -75,7 +77,7 @@ void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reas
     find_patch(begin, stands);
     const int row = begin / columns_, column = begin % columns_;
     const bool inside = row > 0 && row + 1 < rows_ && column > 0 && column + 1 < columns_;
-    const bool few = may_be_false(in);
+    const bool few = may_be_false(in, reason);
     const bool lone = island_.size() == 1 && inside && windows(in, row) >= 1 && part_in_view(in, box(in, row, column)) >= 1;
     for (const int cell : island_) {
       int8_t& value = occupancy.row<int8_t>(cell / columns_)[cell % columns_];

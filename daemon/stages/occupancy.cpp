@@ -96,8 +96,8 @@ Outcome Occupancy::process(std::span<const Image* const> in, std::span<Image* co
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) judge(inputs, row, column, *out[0], *out[1]);
   }
-  shade(inputs, *out[0], *out[1]);
   doubt_lone(inputs, *out[0], *out[1]);
+  shade(inputs, *out[0], *out[1]);
   drop_offs(inputs, *out[0], *out[1]);
   join_edges(*out[0], *out[1]);
   refuse_lone_edges(inputs, *out[0], *out[1]);

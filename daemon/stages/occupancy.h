@@ -25,7 +25,8 @@ namespace vdisp {
 /// a few windows of the matcher are wide, and it goes on along its line; a small patch of floor by itself is a false match, or the top of
 /// something behind a crest; floor up to half a window before what has no texture may be the window's; a cell that shows less than 0.4 of
 /// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels, and a narrow one of hardly more
-/// pixels than a window of the matcher, so far off that the least object has no more, stays suspected; what is none of this is unknown.
+/// pixels than a window of the matcher, so far off that the least object has no more, or with floor under it, stays suspected; what is none
+/// of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -67,7 +68,8 @@ class Occupancy final : public ImageProcessor {
   double windows(const Inputs& in, int row) const noexcept;
   template <class Is>
   void find_patch(int begin, Is is) noexcept;
-  bool may_be_false(const Inputs& in) noexcept;
+  bool may_be_false(const Inputs& in, const Image& reason) noexcept;
+  bool is_seen_under(const Inputs& in, int cell, const Image& reason) const noexcept;
   void doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;

@@ -152,6 +152,27 @@ TEST_F(OccupancyTest, what_stands_alone_in_one_cell_or_in_few_pixels_stays_suspe
   EXPECT_GE(stands(0.03, 0.31, 1.55), 65) << "the least object has more pixels there";
 }
 
+// Nearer than where the least object has so few pixels, what hides no floor is no more than a false match either. 160 pixels in two cells.
+TEST_F(OccupancyTest, a_few_pixels_in_the_air_stay_suspected_where_floor_is_seen_under_them) {
+  const auto hangs = [&](bool floor_behind, double first, double last) {
+    see(ground(high));
+    stage.reset();
+    EXPECT_EQ(find(), Outcome::valid);
+    disparity.fill<int16_t>([&](int v, int u) {
+      const Point ray{(u - view.cx) / view.f, (v - view.cy) / view.f, 1}, h = horizontal(ray, pitch);
+      const double z = (u % 2 ? 1.58 : 1.62) / h.z, up = high - h.y * z, across = h.x * z, flat = ground(high)(ray);
+      if (up > 0.5 && up < 0.55 && across > first && across < last) return static_cast<int16_t>(std::lround(16 * view.disparity(z)));
+      const bool told = flat > 0 && (floor_behind || flat * h.z < 1.5);
+      return told ? static_cast<int16_t>(std::lround(16 * view.disparity(flat))) : rejected(Rejected::not_unique);
+    });
+    map();
+    return std::max(risk(1.55, 0), risk(1.65, 0));
+  };
+  EXPECT_EQ(hangs(true, -0.04, 0.04), 64);
+  EXPECT_GE(hangs(false, -0.04, 0.04), 65) << "of something that is hardly matched, and hides the floor";
+  EXPECT_GE(hangs(true, -0.14, 0.14), 65) << "a beam";
+}
+
 // Columns 68 on can be matched: of the cell that has 68 and 69 at 3 m a part is out of view, of that of 150 and 151 none is.
 TEST_F(OccupancyTest, what_stands_alone_at_the_rim_of_the_view_may_be_part_of_something_larger) {
   const auto stands = [&](int first, double top) {
