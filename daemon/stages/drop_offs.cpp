@@ -124,6 +124,19 @@ void Occupancy::extend_edges(Image& occupancy, Image& reason) const noexcept {
       for (int on = 1; on <= on_it; ++on) tell_end(row_on(line, on), end + side * on, occupancy, reason);
     }
   }
+  for (int end = 0; end < columns_; ++end)
+    for (const int side : {-1, 1})
+      if (edge_row(end) >= 0 && edge_row(end + side) < 0) tell_hidden(edge_row(end), end + side, occupancy, reason);
+}
+
+/// Beside what hides the rest of an edge neither half a window can be matched nor the strip that one camera sees alone: it goes on for a
+/// cell at least.
+void Occupancy::tell_hidden(int line, int column, Image& occupancy, Image& reason) const noexcept {
+  if (column < 0 || column >= columns_) return;
+  uint8_t& why = reason.row<uint8_t>(line)[column];
+  if (why != static_cast<uint8_t>(CellReason::occluded) || floor_behind(line, column, reason)) return;
+  occupancy.row<int8_t>(line)[column] = 100;
+  why = static_cast<uint8_t>(CellReason::drop_off);
 }
 
 /// As far as nothing speaks against it: no columns at all where floor is seen behind one of them.

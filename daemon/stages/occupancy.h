@@ -78,6 +78,7 @@ class Occupancy final : public ImageProcessor {
   /// The same: the row where the floor ends there, -1: it does not, or what is behind is known; and tells a drop-off in that row.
   int end_of_floor(int line, int column, const Image& occupancy, const Image& reason) const noexcept;
   void tell_end(int line, int column, Image& occupancy, Image& reason) const noexcept;
+  void tell_hidden(int line, int column, Image& occupancy, Image& reason) const noexcept;
   void join_edges(Image& occupancy, Image& reason) const noexcept;
   int edge_row(int column) const noexcept { return column < 0 || column >= columns_ ? -1 : edges_[static_cast<size_t>(column)]; }
   /// Where an edge goes on from its column `end` to one side, by so many rows in so many columns.

@@ -129,6 +129,29 @@ TEST_F(DropOffsTest, an_edge_of_which_little_is_seen_goes_on_along_the_line_on_w
   }
 }
 
+// A kerb of which a box hides the middle. What is told goes on a cell behind the box, and no farther.
+TEST_F(DropOffsTest, an_edge_goes_on_for_a_cell_behind_what_hides_it) {
+  const Scene kerb = [](const Point& ray) {
+    const double z = ground(high)(ray);
+    return z == 0 || horizontal(ray, pitch).z * z < 2 ? z : ground(1.4)(ray);
+  };
+  see(with_wall(kerb, 1.55, 0.6, -0.35, 0.35));
+  ASSERT_EQ(find(), Outcome::valid);
+  map();
+  const auto edge = [&](double right) {
+    int cells = 0;
+    for (double ahead = 1.95; ahead < 2.4; ahead += 0.1) cells += why(ahead, right) == CellReason::drop_off;
+    return cells > 0;
+  };
+  int hidden = 0;
+  for (double right = -0.4; right < 0.45; right += 0.1) hidden += edge(right);
+  for (const int side : {-1, 1}) {
+    EXPECT_TRUE(edge(side * 0.6)) << side;
+    EXPECT_FALSE(edge(side * 0.3)) << side;
+  }
+  EXPECT_EQ(hidden, 2) << "of 0.45 m to each side";
+}
+
 // Far away a few windows that are matched wrong are a few columns.
 TEST_F(DropOffsTest, an_edge_is_at_least_as_wide_as_a_few_windows) {
   const auto edge_cells = [&](double from, double half_width) {
