@@ -172,39 +172,55 @@ double Occupancy::windows(const Inputs& in, int row) const noexcept {
   return windows_of_edge * config_.image_source.corrsize / in.view.f * (rows_ - row);
 }
 
-/// An edge in one column alone, or no wider than a few windows of the matcher, is a false match, and the rover would stop for it. What is
-/// there is unknown.
+/// The nearest row of the edge in a column beside one where it is in `row`; -1: it is not there.
+int Occupancy::edge_near(int row, int column, const Image& reason) const noexcept {
+  if (column < 0 || column >= columns_) return -1;
+  for (int off = 0; off <= beside_lone; ++off)
+    for (const int r : {row - off, row + off})
+      if (r >= 0 && r < rows_ && reason.row<uint8_t>(r)[column] == static_cast<uint8_t>(CellReason::drop_off)) return r;
+  return -1;
+}
+
+/// From a column on in which an edge in `row` is not seen: the next one where it is, if what stands before it hides it in between; -1:
+/// none.
+int Occupancy::edge_behind(int row, int column, int side, const Image& occupancy, const Image& reason) const noexcept {
+  bool hidden = false;
+  for (int between = 0; between < most_between; ++between, column += side) {
+    if (column < 0 || column >= columns_) return -1;
+    if (edge_near(row, column, reason) >= 0) return hidden ? column : -1;
+    if (occupancy.row<int8_t>(row)[column] >= 0 || floor_behind(row, column, reason)) return -1;
+    hidden = hidden || reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(CellReason::occluded);
+  }
+  return -1;
+}
+
+/// In how many columns an edge is seen, counted up to `most`. One column without it between two with it does not part them.
+int Occupancy::columns_of_edge(int row, int column, int most, const Image& occupancy, const Image& reason) const noexcept {
+  int count = 1;
+  for (const int side : {-1, 1}) {
+    int at = row;
+    for (int c = column + side; c >= 0 && count < most; c += side) {
+      if (edge_near(at, c, reason) < 0) {
+        c = edge_near(at, c + side, reason) >= 0 ? c + side : edge_behind(at, c, side, occupancy, reason);
+        if (c < 0) break;
+      }
+      at = edge_near(at, c, reason);
+      ++count;
+    }
+  }
+  return count;
+}
+
+/// An edge seen in one column alone, or in no more than a few windows of the matcher are wide, is a false match, and the rover would stop
+/// for it. What is there is unknown.
 void Occupancy::refuse_lone_edges(const Inputs& in, Image& occupancy, Image& reason) noexcept {
   constexpr auto drop_off = static_cast<uint8_t>(CellReason::drop_off);
-  // The nearest row of the edge in a column beside one where it is in `row`; -1: it is not there.
-  const auto next = [&](int row, int column) {
-    if (column < 0 || column >= columns_) return -1;
-    for (int off = 0; off <= beside_lone; ++off)
-      for (const int r : {row - off, row + off})
-        if (r >= 0 && r < rows_ && reason.row<uint8_t>(r)[column] == drop_off) return r;
-    return -1;
-  };
-  const auto columns_of = [&](int row, int column, int most) {  // a column without any in between them is none
-    int count = 1;
-    for (const int side : {-1, 1}) {
-      int at = row;
-      for (int c = column + side; count < most; c += side) {
-        if (const int r = next(at, c); r >= 0) {
-          at = r;
-          ++count;
-        } else if (next(at, c + side) < 0) {
-          break;
-        }
-      }
-    }
-    return count;
-  };
   std::fill(known_.begin(), known_.end(), uint8_t{0});
   for (int row = 0; row < rows_; ++row) {
     const int least = std::max(static_cast<int>(std::ceil(windows(in, row))), 2);
     for (int column = 0; column < columns_; ++column)
       known_[static_cast<size_t>(row * columns_ + column)] =
-          reason.row<uint8_t>(row)[column] == drop_off && columns_of(row, column, least) < least;
+          reason.row<uint8_t>(row)[column] == drop_off && columns_of_edge(row, column, least, occupancy, reason) < least;
   }
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {

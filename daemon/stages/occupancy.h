@@ -22,11 +22,11 @@ namespace vdisp {
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
 /// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in as many columns as
-/// a few windows of the matcher are wide, and it goes on along its line; a small patch of floor by itself is a false match, or the top of
-/// something behind a crest; floor up to half a window before what has no texture may be the window's; a cell that shows less than 0.4 of
-/// floor leads on to others, and is not free itself; an obstacle in one cell alone takes twice the pixels, and a narrow one of hardly more
-/// pixels than a window of the matcher, so far off that the least object has no more, or with floor under it, stays suspected; what is none
-/// of this is unknown.
+/// a few windows of the matcher are wide, at one side or both of what stands before it, and it goes on along its line; a small patch of
+/// floor by itself is a false match, or the top of something behind a crest; floor up to half a window before what has no texture may be
+/// the window's; a cell that shows less than 0.4 of floor leads on to others, and is not free itself; an obstacle in one cell alone takes
+/// twice the pixels, and a narrow one of hardly more pixels than a window of the matcher, so far off that the least object has no more, or
+/// with floor under it, stays suspected; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -92,6 +92,9 @@ class Occupancy final : public ImageProcessor {
   Followed follow(const Line& line, const Image& occupancy, const Image& reason) const noexcept;
   bool find_line(const Image& occupancy, const Image& reason, Line& line) const noexcept;
   void extend_edges(Image& occupancy, Image& reason) const noexcept;
+  int edge_near(int row, int column, const Image& reason) const noexcept;
+  int edge_behind(int row, int column, int side, const Image& occupancy, const Image& reason) const noexcept;
+  int columns_of_edge(int row, int column, int most, const Image& occupancy, const Image& reason) const noexcept;
   void refuse_lone_edges(const Inputs& in, Image& occupancy, Image& reason) noexcept;
   void islands(Image& occupancy, Image& reason) noexcept;
   void refuse_partly(Image& occupancy, Image& reason) const noexcept;

@@ -152,6 +152,31 @@ TEST_F(DropOffsTest, an_edge_goes_on_for_a_cell_behind_what_hides_it) {
   EXPECT_EQ(hidden, 2) << "of 0.45 m to each side";
 }
 
+// At each side of the box two columns of it are seen, which is less than a false match may have: 2.7 columns.
+TEST_F(DropOffsTest, an_edge_seen_at_both_sides_of_what_hides_it_is_one) {
+  const auto cells = [&](bool box, bool at_left) {
+    const auto strips = [=](const Point& ray) {
+      const Point h = horizontal(ray, pitch);
+      const double z = ground(high)(ray), right = h.x * z;
+      if (z == 0 || h.z * z < 2) return z;
+      const bool lower = std::abs(right) > 0.35 && std::abs(right) < 0.55 && (at_left || right > 0);
+      return lower ? ground(1.4)(ray) : std::abs(right) < 0.35 && !box ? z : 0;
+    };
+    see(box ? with_wall(strips, 1.55, 0.6, -0.27, 0.27) : Scene(strips));
+    stage.reset();
+    EXPECT_EQ(find(), Outcome::valid);
+    map();
+    int count = 0;
+    for (int row = 0; row < 50; ++row)
+      for (int column = 0; column < 51; ++column)
+        count += ground_map[1]->at<uint8_t>(row, column) == static_cast<uint8_t>(CellReason::drop_off);
+    return count;
+  };
+  EXPECT_GT(cells(true, true), 3);
+  EXPECT_EQ(cells(true, false), 0) << "at one side of it";
+  EXPECT_EQ(cells(false, true), 0) << "floor between them";
+}
+
 // Far away a few windows that are matched wrong are a few columns.
 TEST_F(DropOffsTest, an_edge_is_at_least_as_wide_as_a_few_windows) {
   const auto edge_cells = [&](double from, double half_width) {
