@@ -62,7 +62,7 @@ inline constexpr size_t cell_reasons = 17;
 /// What a pixel is, by its height over the local floor; pixels of stage `surface`.
 enum class Surface : uint8_t {
   none = 0,  ///< no disparity that counts, or the low part of what stands upright: no floor, and not known to be high enough
-  floor,     ///< no higher than a step that the rover climbs, no lower than a hole that counts
+  floor,     ///< no higher than a step that the rover climbs or ground that leads up, no lower than a hole that counts
   obstacle,  ///< higher, and in the way
   overhang,  ///< so high that the rover passes below
   below,     ///< under the floor, or of the far side of a ditch

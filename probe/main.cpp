@@ -72,6 +72,9 @@ void add_words(CLI::App& app, Options& options, int (*&word)(const Options&)) {
   sub->add_option("COLUMN", options.column, "Column from 0, from the left")->required()->check(CLI::Range(0, 65535));
   CLI::Option* pixel = sub->add_flag("--pixel", options.pixel, "A pixel of the left view");
   sub->add_flag("--cell")->description("A cell of the map, as without it")->excludes(pixel);
+  sub->add_option("--control", options.control,
+                  "With --pixel: the daemon's control socket ([control] socket), which knows the limits; without it the usual places")
+      ->type_name("PATH");
   sub->add_flag("--json", options.json, "As JSON, one line");
   sub = add("record", "Record pairs, labels and what comes in to a folder; source = files or replay shows it again", record);
   sub->add_option("DIR", options.output, "Folder to write; it must not hold a recording")->required();

@@ -8,6 +8,7 @@
 #include "probe/evidence.h"
 #include "probe/format.h"
 #include "probe/frame_set.h"
+#include "probe/height_limits.h"
 #include "probe/readout.h"
 #include "probe/terminal.h"
 
@@ -170,7 +171,22 @@ std::optional<double> tell_disparity(const Frame& frame, int row, int column, Ac
   return raw / 16.0;
 }
 
-void tell_pixel(const Frame& frame, int row, int column, Account& account) {
+/// Its height over the local floor with the limits, and what else made it this surface.
+void tell_height(std::optional<double> height, Surface what, const HeightLimits& limits, Account& account) {
+  const std::string from = limits.known()
+                               ? format("   (an obstacle from %.3g m on, passed below from %.3g m on)", limits.max_height, limits.clearance)
+                               : "   (limits not known: the control socket of this daemon does not answer)";
+  if (height) account.line("height", format("%+.3f m over the local floor", *height) + from);
+  const std::string also = beyond_height(height.value_or(NAN), what, limits);
+  account.line("surface", std::string(name(what)) + (also.empty() ? "" : ": " + also));
+  account.json["pixel"].update({{"height", height ? ordered_json(*height) : ordered_json(nullptr)},
+                                {"max_height", limits.max_height},
+                                {"clearance", limits.clearance},
+                                {"surface", name(what)},
+                                {"because", also.empty() ? ordered_json(nullptr) : ordered_json(also)}});
+}
+
+void tell_pixel(const Frame& frame, int row, int column, const HeightLimits& limits, Account& account) {
   const std::optional<double> d = tell_disparity(frame, row, column, account);
   const FloorModel* floor = frame.floor();
   if (frame.blind() != Reason::none || !floor) return;
@@ -183,15 +199,11 @@ void tell_pixel(const Frame& frame, int row, int column, Account& account) {
   const double depth = d ? reprojection.depth(*d).value_or(NAN) : NAN;  // NaN is null in JSON
   const auto on_floor = reprojection.floor_disparity(column, row);
   if (depth > 0) account.line("depth", format("%.2f m along the view", depth));
-  if (mm != height_unknown) account.line("height", format("%+.3f m over the local floor", mm / 1000.0));
-  account.line("surface", std::string(name(what)));
+  tell_height(mm == height_unknown ? std::nullopt : std::optional(mm / 1000.0), what, limits, account);
   if (filled) account.line("filled", format("%.2f px by the edges of the even surface that it is part of", by_edges));
   account.line("plane", on_floor ? format("floor would have %.2f px here", *on_floor) : "above the horizon: no floor here");
-  account.json["pixel"].update({{"depth", rounded(depth)},
-                                {"height", mm == height_unknown ? ordered_json(nullptr) : ordered_json(mm / 1000.0)},
-                                {"surface", name(what)},
-                                {"filled_disparity", rounded(by_edges)},
-                                {"floor_disparity", rounded(on_floor.value_or(NAN))}});
+  account.json["pixel"].update(
+      {{"depth", rounded(depth)}, {"filled_disparity", rounded(by_edges)}, {"floor_disparity", rounded(on_floor.value_or(NAN))}});
   tell_floor(*floor, account);
   // What has no disparity may be floor: the cell that would be seen here.
   const auto at = d ? d : filled ? std::optional(by_edges) : on_floor;
@@ -244,7 +256,7 @@ int why(const Options& options) {
   tell_frame(frame, account);
   if (options.pixel) {
     require_inside(options, frame[disparity], "left view", "for a cell of the map leave --pixel out");
-    tell_pixel(frame, options.row, options.column, account);
+    tell_pixel(frame, options.row, options.column, limits_of(options.control), account);
   } else {
     require_inside(options, frame[occupancy], "map", "for a pixel of the left view use --pixel");
     tell_cell(frame, {options.row, options.column}, account);

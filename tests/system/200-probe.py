@@ -279,6 +279,12 @@ class Why(ProgramTest):
         self.assertEqual(pixel["pixel"]["surface"], "floor")
         self.assertLess(abs(pixel["pixel"]["height"]), 0.03)
         self.assertAlmostEqual(pixel["pixel"]["disparity"], pixel["pixel"]["floor_disparity"], delta=0.5)
+        # The limits are those that hold now.
+        self.assertEqual((pixel["pixel"]["max_height"], pixel["pixel"]["clearance"], pixel["pixel"]["because"]), (0.2, 2, None))
+        self.assertEqual(run("vdisp-probe", "set", "Limit obstacle.max_height", "0.35").returncode, 0)
+        self.assertEqual(self.why(300, 320, "--pixel")["pixel"]["max_height"], 0.35)
+        unknown = self.why(300, 320, "--pixel", "--control", self.folder / "nothing")
+        self.assertEqual((unknown["pixel"]["max_height"], unknown["pixel"]["surface"]), (None, "floor"))
         # Above the horizon, row 240 - f tan 15 deg, is no floor.
         sky = self.why(5, 320, "--pixel")
         self.assertIsNone(sky["pixel"]["floor_disparity"])
