@@ -11,15 +11,15 @@
 namespace vdisp {
 namespace {
 
-constexpr int column_step = 12, row_step = 3;             // px of 640x480, others in proportion; rows, as far ground has few
-constexpr kernels::PlaneReach plane_reach{0.75f, 0.03f};  // px, and of the disparity: rough ground is rough in proportion
-constexpr double least_on = 40, most_beyond = 0.5;        // points
+constexpr int column_step = 12, row_step = 3;       // px of 640x480, others in proportion; rows, as far ground has few
+constexpr double least_on = 40, most_beyond = 0.5;  // points
 constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
 constexpr size_t points_at_once = 1024;
 constexpr size_t few = 3;  // guesses are fitted to every third point, the best of them to all
-constexpr double nearer_side = 0.7;
-constexpr double bumps = 0.25;                           // rad: pitch that driving adds
+constexpr int most_fits = 15;
+constexpr double as_good = 0.85;  // as before the last fit: on unlike grounds it may wander off to the one that is not at the feet
+constexpr double bumps = 0.25;    // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
 constexpr int tries_of_kind[] = {40, 60, 80};            // three, two, one points
@@ -43,6 +43,8 @@ void PlaneSearch::prepare(const ImageSpec& disparity) {
       steps(disparity.width, step(column_step, disparity.width, 640)) * steps(disparity.height, step(row_step, disparity.height, 480));
   all_.reserve(room);
   few_.reserve(room / few + 1);
+  half_width_ = disparity.width / 2.0;
+  half_height_ = disparity.height / 2.0;
   feet_.reserve(strips * feet_of_strip);
 }
 
@@ -179,31 +181,6 @@ PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, Plane kind, const
   return found;
 }
 
-FloorPlane PlaneSearch::refine(FloorPlane plane, bool guess) const {
-  for (const double width : {guess ? 1.5 : 1.0, guess ? 1.2 : 1.0}) {
-    // What stands on the floor is nearer: on that side less is allowed for.
-    const kernels::PlaneFit fit{plane.across,
-                                plane.down,
-                                plane.middle,
-                                width * static_cast<double>(plane_reach.reach),
-                                width * static_cast<double>(plane_reach.share),
-                                nearer_side};
-    const auto [uu, uv, u1, ud, vv, v1, vd, one, d1] =
-        machine_.kernels.sum_on_plane((guess ? few_ : all_).points(), (guess ? few_ : all_).n, fit);
-    double s[3][4] = {{uu, uv, u1, ud}, {uv, vv, v1, vd}, {u1, v1, one, d1}};
-    for (int r = 0; r < 3; ++r) {
-      if (std::abs(s[r][r]) < 1e-6) return plane;
-      for (int other = 0; other < 3; ++other) {
-        if (other == r) continue;
-        const double factor = s[other][r] / s[r][r];
-        for (int c = r; c < 4; ++c) s[other][c] -= factor * s[r][c];
-      }
-    }
-    plane = {s[0][3] / s[0][0], s[1][3] / s[1][1], s[2][3] / s[2][2]};
-  }
-  return plane;
-}
-
 std::optional<PlaneSearch::Found> PlaneSearch::search(const StereoView& view, uint64_t seed, const Expected* last, bool trusted) {
   if (all_.n < 3) return std::nullopt;
   Random random(static_cast<uint32_t>(seed % 2147483646 + 1));
@@ -238,13 +215,16 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
   }
   std::optional<Found> winner;
   for (size_t i = 0; i < count; ++i) {
-    // What a fit makes of a guess counts, not the guess: a guess is as near as it may be to what was expected.
-    const Found found = judge(refine(best[i].plane, true), Plane::fit, view, last);
+    // What a fit makes of a guess counts, not the guess: a guess is as near as it may be to what was expected, and far off.
+    FloorPlane plane = best[i].plane;
+    for (const double wider : {1.5, 1.2}) plane = fitted(plane, part_of(few_), wider, machine_.kernels);
+    const Found found = judge(plane, Plane::fit, view, last);
     if (found.score > 0 && (!winner || found.score > winner->score)) winner = found;
   }
   if (!winner) return winner;
-  const Found exact = judge(refine(winner->plane, false), Plane::fit, view, last);
-  return exact.score > 0 ? exact : winner;
+  const FloorPlane near = settled(winner->plane, part_of(few_), most_fits, machine_.kernels);
+  const Found exact = judge(settled(near, part_of(all_), most_fits, machine_.kernels), Plane::fit, view, last);
+  return exact.score > as_good * winner->score ? exact : winner;
 }
 
 }  // namespace vdisp

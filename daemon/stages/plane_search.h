@@ -10,6 +10,7 @@
 #include "daemon/geometry/floor_plane.h"
 #include "daemon/kernels/aligned.h"
 #include "daemon/stages/machine.h"
+#include "daemon/stages/plane_fit.h"
 #include "ipc/image.h"
 
 namespace vdisp {
@@ -18,7 +19,8 @@ namespace vdisp {
 /// floor, though over its edge), the ground at the rover's feet above all, and by how well they agree with the mounting and the last floor.
 /// Guesses keep to the mounting's tolerances first, and to nothing where no floor is found so; what fits from there on may lead out of
 /// them, as a mounting can be wrong. Points are drawn by threes; by twos, with a roll taken for granted; and one by one, with roll and
-/// height, which finds a floor of which hardly anything is seen. The best are fitted to their points, with Tukey's weights.
+/// height, which finds a floor of which hardly anything is seen. The best are fitted to their points, with Tukey's weights,
+/// until they settle, as what is found shall not depend on chance.
 class PlaneSearch {
  public:
   PlaneSearch(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -66,8 +68,6 @@ class PlaneSearch {
   std::optional<Found> try_planes(const StereoView& view, Random& random, const Expected* last);
   /// What cannot have a score above `least` scores 0, and is not counted to the end.
   Found judge(const FloorPlane& plane, Plane kind, const StereoView& view, const Expected* last, double least = 0) const;
-  /// Fits it to its points: a guess, that may be far off, to every few.
-  FloorPlane refine(FloorPlane plane, bool guess) const;
   size_t any(Random& random) const { return random() % all_.n; }
 
   struct List {
@@ -77,12 +77,14 @@ class PlaneSearch {
     kernels::DisparityPoints points(size_t from = 0) const { return {u.data() + from, v.data() + from, d.data() + from}; }
     void add(const List& other, size_t i);
   };
+  PlanePoints part_of(const List& list) const { return {list.points(), list.n, half_width_, half_height_}; }
 
   Machine& machine_;
   const Config& config_;
-  List all_, few_, feet_;  // points from below; every few of them; the lowest of each part of the image's width
-  bool mounted_ = false;   // guesses: only what agrees with [mounting]
-  bool trusted_ = false;   // guesses and fits: only what is drivable
+  List all_, few_, feet_;                    // points from below; every few of them; the lowest of each part of the image's width
+  double half_width_ = 0, half_height_ = 0;  // px
+  bool mounted_ = false;                     // guesses: only what agrees with [mounting]
+  bool trusted_ = false;                     // guesses and fits: only what is drivable
   std::optional<double> last_roll_;
 };
 

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/plane_floor.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "tests/support/plane_scene.h"
 
 namespace vdisp {
@@ -19,6 +22,29 @@ TEST_F(PlaneFloorTest, measures_pitch_roll_and_height_of_banked_ground) {
     EXPECT_NEAR(model().height_m, high, 0.005);
     EXPECT_EQ(model().state, FloorState::found);
   }
+}
+
+// Each frame draws its own planes. Uneven ground with a lawn at its right side: no plane lies on all of it.
+TEST_F(PlaneFloorTest, what_is_found_does_not_depend_on_what_was_drawn) {
+  config.mounting.height = 0.8f;
+  see([](const Point& ray) {
+    const double z = ground(high)(ray), x = ray.x * z;
+    return z == 0 ? z : ground(high - 0.06 * std::sin(5 * z) * std::cos(4 * x) - (x > 0.2 ? 0.15 : 0))(ray);
+  });
+  std::vector<double> pitches, heights;
+  for (uint64_t frame = 0; frame < 24; ++frame) {
+    stage.reset();
+    disparity.image().sequence = frame;
+    ASSERT_EQ(find(), Outcome::valid) << frame;
+    pitches.push_back(model().pitch_rad);
+    heights.push_back(model().height_m);
+  }
+  const auto range = [](const std::vector<double>& values) {
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    return *most - *least;
+  };
+  EXPECT_LT(range(pitches), 0.0005);
+  EXPECT_LT(range(heights), 0.0005);
 }
 
 TEST_F(PlaneFloorTest, a_wall_that_fills_most_of_the_view_is_not_the_floor) {
