@@ -17,8 +17,8 @@ constexpr double price_of_beyond = 0.25, weight_of_feet = 6;
 constexpr int strips = 16, feet_of_strip = 40;  // parts of the image's width; points of each
 constexpr size_t points_at_once = 1024;
 constexpr size_t few = 3;  // guesses are fitted to every third point, the best of them to all
-constexpr int most_fits = 15;
-constexpr double as_good = 0.85;  // as before the last fit: on unlike grounds it may wander off to the one that is not at the feet
+constexpr int most_fits = 15, few_fits = 2;
+constexpr double as_good = 0.85;  // as before the last fits: on unlike grounds they may wander off to the one that is not at the feet
 constexpr double bumps = 0.25;    // rad: pitch that driving adds
 constexpr double most_roll = 0.45, most_pitch = 1.35;    // rad
 constexpr double least_height = 0.05, most_height = 15;  // m
@@ -224,7 +224,9 @@ std::optional<PlaneSearch::Found> PlaneSearch::try_planes(const StereoView& view
   if (!winner) return winner;
   const FloorPlane near = settled(winner->plane, part_of(few_), most_fits, machine_.kernels);
   const Found exact = judge(settled(near, part_of(all_), most_fits, machine_.kernels), Plane::fit, view, last);
-  return exact.score > as_good * winner->score ? exact : winner;
+  if (exact.score > as_good * winner->score) return exact;
+  const Found nearer = judge(settled(winner->plane, part_of(all_), few_fits, machine_.kernels), Plane::fit, view, last);
+  return nearer.score > 0 ? nearer : winner;
 }
 
 }  // namespace vdisp
