@@ -9,7 +9,6 @@
 namespace vdisp {
 namespace {
 
-constexpr double hole_of_step = 0.75;                     // what is this part of max_height lower than the floor would go on is a drop-off
 constexpr double visible_by = 0.09, beside_slope = 0.05;  // rad, m
 constexpr int floor_leads = 3;                            // cells: floor no farther than this before a drop-off leads up to it
 constexpr int slope_cells = 5;                            // that the ground's slope before a drop-off is taken from

@@ -13,11 +13,9 @@ constexpr double share_alone = 0.06;  // the same where none is
 constexpr int occupied = occupied_from;
 constexpr int least_weak = 50;                                                                // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, least_free = 0.4, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
-constexpr double uneven_of_step = 0.4;                 // a cell's floor may be this part of max_height lower than the local floor
-constexpr double hole_of_step = 0.75;                  // what is this part of max_height lower than the floor would go on is a drop-off
-constexpr int least_hole = 4;                          // samples
-constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
-constexpr int dark = 14, bright = 250;                 // grey levels
+constexpr double uneven_of_step = 0.4;  // a cell's floor may be this part of max_height lower than the local floor
+constexpr int least_hole = 4;           // samples
+constexpr int dark = 14, bright = 250;  // grey levels
 
 /// By the code of a pixel without a disparity.
 constexpr auto why_rejected = [] {

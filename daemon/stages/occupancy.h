@@ -34,7 +34,9 @@ class Occupancy final : public ImageProcessor {
   Outcome process(std::span<const Image* const> in, std::span<Image* const> out) noexcept override;
 
  private:
-  static constexpr int most_samples = 6;  // of a cell, each way
+  static constexpr int most_samples = 6;                        // of a cell, each way
+  static constexpr double hole_of_step = 0.75;                  // of max_height: so much lower than the floor would go on is a drop-off
+  static constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
   struct Tally {
     int all = 0, floor = 0, nearer = 0, beyond = 0, wall = 0;
     double height = 0, ahead = 0;  // of what is beyond: sums, m over the plane and along the ground

@@ -8,9 +8,8 @@
 namespace vdisp {
 namespace {
 
-constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: what is no deeper looks like floor of the cell
-constexpr int least_hidden = 2;                        // cells, of which most show floor
-constexpr int shading = occupied_from - 1;             // percent: what was doubted hides as much
+constexpr int least_hidden = 2;             // cells, of which most show floor
+constexpr int shading = occupied_from - 1;  // percent: what was doubted hides as much
 
 double shadow(const Config& config, double camera_height) { return std::min(config.limit.max_height / camera_height, 0.9); }
 
