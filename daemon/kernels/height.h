@@ -12,10 +12,10 @@ namespace vdisp::kernels {
 /// What a pixel is, by its height over the local floor.
 enum class Surface : uint8_t {
   none = 0,  ///< no disparity that counts
-  floor,     ///< no higher than a step that the rover climbs, no lower than a hole that counts
-  obstacle,  ///< higher, and in the way
+  floor,     ///< lower than the step that the rover does not climb, higher than the hole that counts
+  obstacle,  ///< from that step on, and in the way
   overhang,  ///< so high that the rover passes below
-  below,     ///< under the floor
+  below,     ///< from that hole on downwards
   filled,    ///< obstacle, without a disparity of its own: the kernel makes none of these
 };
 
@@ -29,7 +29,7 @@ struct HeightRow {
 };
 
 /// Per raw disparity, from search.first on: inverse = camera / d' of it, profile = height of the local floor over the plane, mm. Both are
-/// packed in one number, as half as many loads are half the time.
+/// packed in one number, for one load.
 struct HeightOf {
   float inverse, profile;
 };

@@ -25,6 +25,18 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
 }
 #else
 
+/// What is left of a row after the vectors. The same products: columns go on where the vectors ended.
+void measure_rest(const int16_t* disparity, int first, int n, const Search& search, const HeightRow& row, const HeightTable& table,
+                  const HeightOut& out) {
+  HeightRow rest = row;
+  rest.step = 0;
+  for (int u = first; u < n; ++u) {
+    rest.first = row.step * static_cast<float>(u) + row.first;
+    plain::measure_heights(disparity + u, 1, search, rest, table,
+                           {out.height + u, out.surface + u, out.obstacles + u, out.overhangs + u, out.none, out.refused});
+  }
+}
+
 void measure_heights(const int16_t* disparity, int n, const Search& search, const HeightRow& row, const HeightTable& table,
                      const HeightOut& out) {
   const hn::ScalableTag<int16_t> d16;
@@ -53,6 +65,12 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
     const auto height = hn::Sub(fallen, hn::ConcatOdd(df, far, near));
     return hn::DemoteTo(half16, hn::ConvertTo(di, hn::Min(hn::Max(height, least), most)));
   };
+  const auto store = [&](int u, auto height, auto surface, auto obstacles, auto overhangs) HWY_ATTR {
+    hn::StoreU(height, d16, out.height + u);
+    hn::StoreU(hn::DemoteTo(d8, surface), d8, out.surface + u);
+    hn::StoreU(obstacles, d16, out.obstacles + u);
+    hn::StoreU(overhangs, d16, out.overhangs + u);
+  };
   auto column = hn::Iota(df, 0.0f);
   const auto next_columns = hn::Set(df, static_cast<float>(half));
   int u = 0;
@@ -62,10 +80,7 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
     const auto d = hn::LoadU(d16, disparity + u);
     const auto counts = hn::And(hn::Gt(d, before), hn::Lt(d, end));
     if (hn::AllFalse(d16, counts)) {
-      hn::StoreU(none, d16, out.height + u);
-      hn::StoreU(refused, d16, out.obstacles + u);
-      hn::StoreU(refused, d16, out.overhangs + u);
-      hn::StoreU(hn::Zero(d8), d8, out.surface + u);
+      store(u, none, hn::Zero(d16), refused, refused);
       continue;
     }
     const auto index = hn::IfThenElseZero(counts, hn::Sub(d, origin));
@@ -74,21 +89,10 @@ void measure_heights(const int16_t* disparity, int n, const Search& search, cons
     auto surface = hn::IfThenElse(above, is(Surface::obstacle), hn::IfThenElseZero(counts, is(Surface::floor)));
     surface = hn::IfThenElse(over, is(Surface::overhang), surface);
     surface = hn::IfThenElse(hn::And(counts, hn::Lt(mm, over_hole)), is(Surface::below), surface);
-    hn::StoreU(hn::IfThenElse(counts, mm, none), d16, out.height + u);
-    hn::StoreU(hn::IfThenElse(hn::Eq(surface, is(Surface::obstacle)), d, refused), d16, out.obstacles + u);
-    hn::StoreU(hn::IfThenElse(hn::Eq(surface, is(Surface::overhang)), d, refused), d16, out.overhangs + u);
-    hn::StoreU(hn::DemoteTo(d8, surface), d8, out.surface + u);
+    store(u, hn::IfThenElse(counts, mm, none), surface, hn::IfThenElse(hn::Eq(surface, is(Surface::obstacle)), d, refused),
+          hn::IfThenElse(hn::Eq(surface, is(Surface::overhang)), d, refused));
   }
-  if (u == n) return;
-  HeightRow rest = row;
-  const HeightOut rest_out{out.height + u, out.surface + u, out.obstacles + u, out.overhangs + u, out.none, out.refused};
-  // The same products: columns go on where the vectors ended.
-  for (int k = 0; u + k < n; ++k) {
-    rest.first = row.step * static_cast<float>(u + k) + row.first;
-    rest.step = 0;
-    const HeightOut one{rest_out.height + k, rest_out.surface + k, rest_out.obstacles + k, rest_out.overhangs + k, out.none, out.refused};
-    plain::measure_heights(disparity + u + k, 1, search, rest, table, one);
-  }
+  measure_rest(disparity, u, n, search, row, table, out);
 }
 #endif
 

@@ -1,4 +1,4 @@
-// plane_search.h: contract: how many points of the disparity image lie on a plane, and how many beyond it.
+// plane_search.h: contract: points of the disparity image on a plane and beyond it, counted, and summed up for a fit.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// plane_search.h: part of `floor`: the plane of disparities that the floor most likely is.
+// plane_search.h: part of `floor`: the plane of disparities that the floor most likely is, of those drawn and expected.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,5 +1,6 @@
 // floor_test.cpp: points on a plane, and heights over the floor: the same at every level, and against arithmetic.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -79,6 +80,16 @@ TEST(SumOnPlane, weighs_by_what_a_point_is_off) {
   EXPECT_EQ(plain::sum_on_plane(cloud.points(), 5, {0, 0, -10, 100, 0, 1}).one, 0) << "a plane above its horizon is nowhere";
 }
 
+TEST(SumOnPlane, takes_nothing_from_the_room_behind_the_points) {
+  at_each_level([](const std::string& level, const Kernels& k) {
+    for (size_t n = 0; n < 20; ++n) {
+      Cloud cloud(n, 0);
+      for (auto& list : cloud.lists) std::fill(list.begin(), list.end(), 10.0f);  // all of it lies on the plane
+      EXPECT_EQ(k.sum_on_plane(cloud.points(), n, {0, 0, 10, 1, 0, 1}).one, static_cast<double>(n)) << level << ", " << n << " points";
+    }
+  });
+}
+
 struct Heights {
   std::vector<int16_t> height, obstacles, overhangs;
   std::vector<uint8_t> surface;
@@ -103,6 +114,31 @@ TEST(MeasureHeights, is_the_same_at_every_level) {
       plain::measure_heights(d.data(), n, search, row, {table.data()}, expected.out());
       k.measure_heights(d.data(), n, search, row, {table.data()}, got.out());
       ASSERT_EQ(got, expected) << n << " pixels";
+    }
+  });
+}
+
+/// Heights of whole mm, one by one: a profile of 20 px over a floor at 20 px. 32 pixels, so that vectors take them.
+TEST(MeasureHeights, limits_belong_to_what_lies_beyond_them_and_heights_end_at_32_m) {
+  const Search search{0, 1, 64};
+  const int of_pixel[] = {199, 200, 899, 900, -149, -150, 0, 31999, 32000, 40000, -31999, -32000, -40000};
+  const Surface expected[] = {Surface::floor, Surface::obstacle, Surface::obstacle, Surface::overhang, Surface::floor,
+                              Surface::below, Surface::floor,    Surface::overhang, Surface::overhang, Surface::overhang,
+                              Surface::below, Surface::below,    Surface::below};
+  std::vector<int64_t> table(64);
+  std::vector<int16_t> d(64);
+  for (size_t i = 0; i < 64; ++i) {
+    table[i] = packed({0, -static_cast<float>(of_pixel[i % 13])});
+    d[i] = static_cast<int16_t>(i);
+  }
+  at_each_level([&](const std::string& level, const Kernels& k) {
+    Heights h(d.size());
+    k.measure_heights(d.data(), 64, search, {0, 20, 0, 200, 900, 150}, {table.data()}, h.out());
+    for (size_t i = 1; i < 64; ++i) {
+      EXPECT_EQ(h.height[i], std::clamp(of_pixel[i % 13], -32000, 32000)) << level;
+      EXPECT_EQ(h.surface[i], static_cast<uint8_t>(expected[i % 13])) << level << ", " << of_pixel[i % 13] << " mm";
+      EXPECT_EQ(h.obstacles[i], expected[i % 13] == Surface::obstacle ? d[i] : -32006) << level;
+      EXPECT_EQ(h.overhangs[i], expected[i % 13] == Surface::overhang ? d[i] : -32006) << level;
     }
   });
 }
