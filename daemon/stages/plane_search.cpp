@@ -165,19 +165,20 @@ PlaneSearch::Found PlaneSearch::judge(const FloorPlane& plane, Plane kind, const
   const kernels::DisparityPlane single{static_cast<float>(plane.across), static_cast<float>(plane.down), static_cast<float>(plane.middle)};
   found.feet = machine_.kernels.count_on_plane(feet_.points(), feet_.n, single, plane_reach);
   const double feet = static_cast<double>(found.feet.on) - static_cast<double>(found.feet.beyond);
+  // With so many more points on it.
+  const auto score_of = [&](size_t more) {
+    return found.score *
+           std::max(0.0, found.all.on + static_cast<double>(more) - price_of_beyond * found.all.beyond + weight_of_feet * feet);
+  };
   for (size_t from = 0; from < all_.n; from += points_at_once) {
     // Were all that are left on it, would it be worth going on?
-    const auto score_of = [&](size_t more) {
-      return found.score *
-             std::max(0.0, found.all.on + static_cast<double>(more) - price_of_beyond * found.all.beyond + weight_of_feet * feet);
-    };
     if (score_of(all_.n - from) <= least) return {plane, {}, {}, 0};
     const kernels::PlaneCount part =
         machine_.kernels.count_on_plane(all_.points(from), std::min(points_at_once, all_.n - from), single, plane_reach);
     found.all.on += part.on;
     found.all.beyond += part.beyond;
   }
-  found.score *= std::max(0.0, found.all.on - price_of_beyond * found.all.beyond + weight_of_feet * feet);
+  found.score = score_of(0);
   return found;
 }
 
