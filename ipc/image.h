@@ -62,15 +62,17 @@ inline constexpr size_t cell_reasons = 17;
 /// What a pixel is, by its height over the local floor; pixels of stage `surface`.
 enum class Surface : uint8_t {
   none = 0,  ///< no disparity that counts, or the low part of what stands upright: no floor, and not known to be high enough
-  floor,     ///< no higher than a step that the rover climbs or ground that leads up, no lower than a hole that counts
-  obstacle,  ///< higher, and in the way
-  overhang,  ///< so high that the rover passes below
+  floor,     ///< lower than max_height, or ground that leads up; higher than a hole that counts
+  obstacle,  ///< from max_height on, and in the way
+  overhang,  ///< from clearance on: the rover passes below
   below,     ///< under the floor, or of the far side of a ditch
   filled,    ///< without a disparity of its own: inside an even surface whose edges are obstacle (paper 5.3)
 };
 
 /// A cell of `occupancy` with this or more is an obstacle; up to `free_up_to` it is free. Between them something may stand.
 inline constexpr int8_t occupied_from = 65, free_up_to = 40;
+/// Of max_height: what lies so much lower than the floor is none, and where the ground falls by so much it ends.
+inline constexpr double hole_of_step = 0.75;
 
 inline constexpr int16_t line_none = INT16_MIN;
 inline constexpr int16_t height_unknown = INT16_MIN;

@@ -7,12 +7,6 @@
 #include "ipc/include/vdisp/control.h"
 
 namespace vdisp {
-namespace {
-
-constexpr double hole_of_step = 0.75;  // of max_height: what lies lower is below the floor by its height
-
-}  // namespace
-
 HeightLimits limits_of(const std::string& path) {
   Control control(path);
   const auto get = [&](const char* key) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "daemon/stages/limits_mm.h"
 #include "daemon/stages/upright.h"
 
 namespace vdisp {
@@ -25,7 +26,7 @@ float Upright::dents(const Marks& marks, int least_disparity) const noexcept {
   // Feet of what stands on the floor, and walls below its edge, are a smaller part than half of what is as high as floor.
   std::array<int, 256> of_height{};  // mm
   int count = 0;
-  const int most = static_cast<int>(1000 * config_.limit.max_height);
+  const int most = LimitsMm(config_).step;
   for (int v = down_ / 2; v < marks.disparity.spec.height; v += sparse * down_) {
     const int16_t *d = marks.disparity.row<int16_t>(v), *height = marks.height.row<int16_t>(v);
     for (int u = across_ / 2; u < marks.disparity.spec.width; u += sparse * across_) {

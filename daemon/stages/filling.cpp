@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "daemon/stages/limits_mm.h"
 #include "daemon/stages/local_floor.h"
 #include "daemon/stages/projection.h"
 
@@ -211,7 +212,7 @@ void Filling::fill_surface(const Frame& frame, std::span<const Run> surface, std
 
 void Filling::fill_row(const Frame& frame, int row, int first, int last, float disparity, float per_column,
                        std::span<Image* const> out) const noexcept {
-  const float step = 1000 * static_cast<float>(config_.limit.max_height), clearance = 1000 * static_cast<float>(config_.limit.clearance);
+  const LimitsMm limits(config_);
   const int16_t* d = frame.disparity.row<int16_t>(row);
   int16_t *heights = out[0]->row<int16_t>(row), *obstacles = out[2]->row<int16_t>(row);
   uint8_t* surface = out[1]->row<uint8_t>(row);
@@ -219,8 +220,10 @@ void Filling::fill_row(const Frame& frame, int row, int first, int last, float d
     disparity += per_column;
     if (d[u] > least_matched || surface[u] != static_cast<uint8_t>(kernels::Surface::none)) continue;
     const float above = height(frame, u, row, disparity);
-    if (!(above > step && above < clearance)) continue;
-    heights[u] = static_cast<int16_t>(std::min(above, 32000.0f));
+    if (!std::isfinite(above)) continue;
+    const long mm = std::lround(above);
+    if (mm < limits.step || mm >= limits.clearance) continue;
+    heights[u] = static_cast<int16_t>(mm);
     surface[u] = static_cast<uint8_t>(kernels::Surface::filled);
     obstacles[u] = static_cast<int16_t>(std::lround(disparity));
   }

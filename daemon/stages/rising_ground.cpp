@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/stages/limits_mm.h"
 #include "daemon/stages/projection.h"
 
 namespace vdisp {
@@ -34,7 +35,7 @@ void RisingGround::prepare(const ImageSpec& disparity) {
 
 void RisingGround::mark(const Image& disparity, const FloorModel& model, const kernels::HeightTable& table,
                         std::span<Image* const> surfaces) noexcept {
-  step_mm_ = static_cast<int>(1000 * config_.limit.max_height);
+  step_mm_ = LimitsMm(config_).step;
   std::fill(higher_from_.begin(), higher_from_.end(), rows_);
   for (int row = 0; row < rows_; ++row) gather(disparity, surfaces, row);
   const CameraGeometry& g = disparity.camera;

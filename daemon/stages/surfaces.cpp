@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/surfaces.h"
 
-#include <cmath>
-
+#include "daemon/stages/limits_mm.h"
 #include "daemon/stages/local_floor.h"
 #include "daemon/stages/projection.h"
 
 namespace vdisp {
 namespace {
 
-constexpr double hole_of_step = 0.75;  // what is this part of max_height under the floor is not floor any more
-constexpr int least_band = 32;         // rows
+constexpr int least_band = 32;  // rows
 
 // Kernels know no images: the codes on the wire are theirs.
 constexpr bool same(kernels::Surface a, Surface b) { return static_cast<uint8_t>(a) == static_cast<uint8_t>(b); }
@@ -58,12 +56,10 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
         kernels::packed({static_cast<float>(camera_mm / d), static_cast<float>(1000 * floor.elevation_of(d))});
   }
   const kernels::HeightTable table{heights_.data()};
-  const auto mm = [](double m) { return static_cast<int>(std::lround(std::min(1000 * m, 32000.0))); };
+  const LimitsMm limits(config_);
   for (Image* image : out) image->flags |= in[1]->flags & flag_held;
   machine_.bands.run(disparity.spec.height, least_band, [&](int first, int last, int) {
-    kernels::HeightRow row{static_cast<float>(camera_mm),    0,
-                           static_cast<float>(plane.across), mm(config_.limit.max_height),
-                           mm(config_.limit.clearance),      mm(hole_of_step * config_.limit.max_height)};
+    kernels::HeightRow row{static_cast<float>(camera_mm), 0, static_cast<float>(plane.across), limits.step, limits.clearance, limits.hole};
     for (int v = first; v < last; ++v) {
       row.first = static_cast<float>(plane.at(0, v, view));
       machine_.kernels.measure_heights(disparity.row<int16_t>(v), disparity.spec.width, search, row, table,
