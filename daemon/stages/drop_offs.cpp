@@ -129,11 +129,11 @@ void Occupancy::extend_edges(Image& occupancy, Image& reason) const noexcept {
 }
 
 /// Beside what hides the rest of an edge neither half a window can be matched nor the strip that one camera sees alone: it goes on for a
-/// cell at least.
+/// cell at least. Occluded is also what something farther is seen through: an obstacle must stand before it.
 void Occupancy::tell_hidden(int line, int column, Image& occupancy, Image& reason) const noexcept {
   if (column < 0 || column >= columns_) return;
   uint8_t& why = reason.row<uint8_t>(line)[column];
-  if (why != static_cast<uint8_t>(CellReason::occluded) || floor_behind(line, column, reason)) return;
+  if (why != static_cast<uint8_t>(CellReason::occluded) || !is_hidden(line, column) || floor_behind(line, column, reason)) return;
   occupancy.row<int8_t>(line)[column] = 100;
   why = static_cast<uint8_t>(CellReason::drop_off);
 }
@@ -180,20 +180,19 @@ int Occupancy::edge_near(int row, int column, const Image& reason) const noexcep
   return -1;
 }
 
-/// From a column on in which an edge in `row` is not seen: the next one where it is, if what stands before it hides it in between; -1:
-/// none.
+/// From a column on in which an edge in `row` is not seen: the next one where it is, if what stands before it hides it all the way between;
+/// -1: none.
 int Occupancy::edge_behind(int row, int column, int side, const Image& occupancy, const Image& reason) const noexcept {
-  bool hidden = false;
   for (int between = 0; between < most_between; ++between, column += side) {
     if (column < 0 || column >= columns_) return -1;
-    if (edge_near(row, column, reason) >= 0) return hidden ? column : -1;
-    if (occupancy.row<int8_t>(row)[column] >= 0 || floor_behind(row, column, reason)) return -1;
-    hidden = hidden || reason.row<uint8_t>(row)[column] == static_cast<uint8_t>(CellReason::occluded);
+    if (edge_near(row, column, reason) >= 0) return column;
+    if (occupancy.row<int8_t>(row)[column] >= 0 || floor_behind(row, column, reason) || !is_hidden(row, column)) return -1;
   }
   return -1;
 }
 
-/// In how many columns an edge is seen, counted up to `most`. One column without it between two with it does not part them.
+/// In how many columns an edge is seen, counted up to `most`. One column without it between two with it does not part them, nor do those
+/// in which something stands before it.
 int Occupancy::columns_of_edge(int row, int column, int most, const Image& occupancy, const Image& reason) const noexcept {
   int count = 1;
   for (const int side : {-1, 1}) {
@@ -210,8 +209,8 @@ int Occupancy::columns_of_edge(int row, int column, int most, const Image& occup
   return count;
 }
 
-/// An edge seen in one column alone, or in no more than a few windows of the matcher are wide, is a false match, and the rover would stop
-/// for it. What is there is unknown.
+/// An edge seen in one column alone, or in no more than a few windows of the matcher are wide, is a false match: what is there is
+/// unknown.
 void Occupancy::refuse_lone_edges(const Inputs& in, Image& occupancy, Image& reason) noexcept {
   constexpr auto drop_off = static_cast<uint8_t>(CellReason::drop_off);
   std::fill(known_.begin(), known_.end(), uint8_t{0});

@@ -33,8 +33,8 @@ void Occupancy::find_patch(int begin, Is is) noexcept {
 }
 
 /// Whether what stands in island_ is narrow, has hardly more pixels than a window of the matcher, and is seen to its end. So far off that
-/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is, if it does not hang in the air
-/// with floor to be seen under it. Of what goes on beyond the map's far border more is seen when it comes nearer; what is beside the map is
+/// the least object has no more: of a greater one that is hardly matched few pixels may be all there is, if it hides the floor behind it.
+/// Of what goes on beyond the map's far border more is seen when it comes nearer; what is beside the map is
 /// not known.
 bool Occupancy::may_be_false(const Inputs& in, const Image& reason) noexcept {
   const int side = config_.image_source.corrsize;
@@ -57,8 +57,9 @@ bool Occupancy::may_be_false(const Inputs& in, const Image& reason) noexcept {
   }
   const int row = nearest / columns_;
   if (first == 0 || last == columns_ - 1 || row == rows_ - 1 || last - first + 1 > windows(in, row)) return false;
-  const bool stands = !std::all_of(island_.begin(), island_.end(), [&](int cell) { return is_seen_under(in, cell, reason); });
-  if (stands && least_object(in, box(in, row, nearest % columns_)) >= least_windows * side * side) return false;
+  if (least_object(in, box(in, row, nearest % columns_)) >= least_windows * side * side &&
+      !std::all_of(island_.begin(), island_.end(), [&](int cell) { return hides_no_floor(in, cell, reason); }))
+    return false;
   return std::all_of(island_.begin(), island_.end(),
                      [&](int cell) { return part_in_view(in, box(in, cell / columns_, cell % columns_)) >= 1; });
 }
@@ -71,6 +72,8 @@ void Occupancy::doubt_lone(const Inputs& in, Image& occupancy, const Image& reas
     return occupancy.row<int8_t>(cell / columns_)[cell % columns_] >= suspected &&
            reason.row<uint8_t>(cell / columns_)[cell % columns_] == static_cast<uint8_t>(CellReason::obstacle);
   };
+  for (int cell = 0; cell < rows_ * columns_; ++cell)
+    standing_[static_cast<size_t>(cell)] = stands(cell) && occupancy.row<int8_t>(cell / columns_)[cell % columns_] >= occupied_from;
   std::fill(known_.begin(), known_.end(), uint8_t{0});
   for (int begin = 0; begin < rows_ * columns_; ++begin) {
     if (known_[static_cast<size_t>(begin)] || !stands(begin)) continue;

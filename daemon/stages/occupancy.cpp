@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "daemon/stages/limits_mm.h"
+
 namespace vdisp {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr int occupied = occupied_from;
 constexpr int least_weak = 50;                                                                // what is less, and not on floor, is not told
 constexpr double least_floor = 0.25, least_free = 0.4, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
 constexpr double uneven_of_step = 0.4;  // a cell's floor may be this part of max_height lower than the local floor
+constexpr double whole_floor = 0.8;     // of what a cell shows: hardly anything stands before it
 constexpr int least_hole = 4;           // samples
 constexpr int dark = 14, bright = 250;  // grey levels
 
@@ -55,6 +58,7 @@ std::vector<ImageSpec> Occupancy::check(std::span<const ImageSpec> in) {
   beyond_.assign(obstacles_.size(), Beyond{});
   known_.assign(obstacles_.size(), 0);
   partly_.assign(obstacles_.size(), CellReason::floor);
+  whole_ = standing_ = known_;
   edges_.assign(static_cast<size_t>(columns_), -1);
   island_.reserve(obstacles_.size());
   counted_.reserve(obstacles_.size());
@@ -137,7 +141,7 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
   const double most = 16 * ((1 + depth_share) * box.d_near + depth_off + in.view.cx_offset);
   const int nearest = static_cast<int>(std::floor(most)), farthest = static_cast<int>(std::ceil(least)),
             lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
-  const double wall = -1000 * hole_of_step * config_.limit.max_height;
+  const int hole = LimitsMm(config_).hole;
   for (int j = 0; j < down; ++j) {
     const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
     const int16_t *d = in.disparity.row<int16_t>(v), *height = in.height.row<int16_t>(v);
@@ -159,7 +163,7 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
         const double depth = in.view.f * in.view.baseline / (d[u] / 16.0 - in.view.cx_offset),
                      ahead = (depth - in.pose.height * in.to_camera.sin_pitch) / in.to_camera.cos_pitch;
         ++tally.beyond;
-        tally.wall += what == kernels::Surface::below && height[u] > wall;
+        tally.wall += what == kernels::Surface::below && height[u] > -hole;
         tally.height += height[u] / 1000.0 + in.floor.elevation(ahead);
         tally.ahead += ahead;
       } else {
@@ -168,10 +172,14 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
     }
   }
   tally.all = across * down;
-  if (tally.floor == 0) return;
-  // The window sees the floor below what has no texture itself: the sky behind a brow, the foot of a blank wall.
-  const int16_t* over =
-      in.disparity.row<int16_t>(std::max(static_cast<int>((top + bottom) / 2) - config_.image_source.corrsize / 2 - 1, 0));
+  if (tally.floor > 0) refuse_untextured(in, box, tally);
+}
+
+/// The window sees the floor below what has no texture itself: the sky behind a brow, the foot of a blank wall.
+void Occupancy::refuse_untextured(const Inputs& in, const Box& box, Tally& tally) const noexcept {
+  const double left = std::max(box.left, 0.0), right = std::min(box.right, in.disparity.spec.width - 1.0);
+  const double middle = (std::max(box.top, 0.0) + std::min(box.bottom, in.disparity.spec.height - 1.0)) / 2;
+  const int16_t* over = in.disparity.row<int16_t>(std::max(static_cast<int>(middle) - config_.image_source.corrsize / 2 - 1, 0));
   int untextured = 0;
   for (const double part : {0.2, 0.5, 0.8}) untextured += is_untextured(over[static_cast<int>(left + part * (right - left))]);
   if (untextured < 2) return;
@@ -198,6 +206,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   const size_t cell = static_cast<size_t>(row * columns_ + column);
   beyond_[cell] = {};
   partly_[cell] = CellReason::floor;
+  whole_[cell] = tally.floor > whole_floor * std::max(tally.all, 1);
   const int own = obstacles_[cell], around = seen(row, column);
   const double all = std::max(tally.all, 1);
   int risk = 0;

@@ -22,11 +22,11 @@ namespace vdisp {
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
 /// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in as many columns as
-/// a few windows of the matcher are wide, at one side or both of what stands before it, and it goes on along its line; a small patch of
-/// floor by itself is a false match, or the top of something behind a crest; floor up to half a window before what has no texture may be
-/// the window's; a cell that shows less than 0.4 of floor leads on to others, and is not free itself; an obstacle in one cell alone takes
-/// twice the pixels, and a narrow one of hardly more pixels than a window of the matcher, so far off that the least object has no more, or
-/// with floor under it, stays suspected; what is none of this is unknown.
+/// a few windows of the matcher are wide, at one side or both of what stands before it, and it goes on along its line, and for a cell
+/// behind what hides the rest; a small patch of floor by itself is a false match, or the top of something behind a crest; floor up to half
+/// a window before what has no texture may be the window's; a cell that shows less than 0.4 of floor leads on to others, and is not free
+/// itself; an obstacle in one cell alone takes twice the pixels, and a narrow one of hardly more pixels than a window of the matcher, so
+/// far off that the least object has no more, or with floor under it, stays suspected; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -35,7 +35,6 @@ class Occupancy final : public ImageProcessor {
 
  private:
   static constexpr int most_samples = 6;                        // of a cell, each way
-  static constexpr double hole_of_step = 0.75;                  // of max_height: so much lower than the floor would go on is a drop-off
   static constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
   struct Tally {
     int all = 0, floor = 0, nearer = 0, beyond = 0, wall = 0;
@@ -61,6 +60,7 @@ class Occupancy final : public ImageProcessor {
   };
   Box box(const Inputs& in, int row, int column) const noexcept;
   void look(const Inputs& in, const Box& box, Tally& tally) const noexcept;
+  void refuse_untextured(const Inputs& in, const Box& box, Tally& tally) const noexcept;
   /// Pixels of the least object that stands in a cell; which part of it lies where the picture can be matched; and how many pixels that is.
   double least_object(const Inputs& in, const Box& box) const noexcept;
   double part_in_view(const Inputs& in, const Box& box) const noexcept;
@@ -71,9 +71,11 @@ class Occupancy final : public ImageProcessor {
   template <class Is>
   void find_patch(int begin, Is is) noexcept;
   bool may_be_false(const Inputs& in, const Image& reason) noexcept;
-  bool is_seen_under(const Inputs& in, int cell, const Image& reason) const noexcept;
+  bool hides_no_floor(const Inputs& in, int cell, const Image& reason) const noexcept;
   void doubt_lone(const Inputs& in, Image& occupancy, const Image& reason) noexcept;
   void shade(const Inputs& in, Image& occupancy, Image& reason) const noexcept;
+  int column_on_ray(int row, int column, int step) const noexcept;
+  bool is_hidden(int row, int column) const noexcept;
   void drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept;
   /// Of an edge whose row in this column is `line`: whether floor is seen behind it.
   bool floor_behind(int line, int column, const Image& reason) const noexcept;
@@ -110,6 +112,8 @@ class Occupancy final : public ImageProcessor {
   std::vector<int> island_, counted_;  // cells of one patch; and of those beside them
   std::vector<uint8_t> known_;
   std::vector<CellReason> partly_;  // of a cell that shows a little floor: what else it shows; floor: no such cell
+  std::vector<uint8_t> whole_;      // whether a cell shows hardly anything but floor
+  std::vector<uint8_t> standing_;   // what is an obstacle, before any is doubted
   int rows_ = 0, columns_ = 0;
 };
 

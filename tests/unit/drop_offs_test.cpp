@@ -154,15 +154,18 @@ TEST_F(DropOffsTest, an_edge_goes_on_for_a_cell_behind_what_hides_it) {
 
 // At each side of the box two columns of it are seen, which is less than a false match may have: 2.7 columns.
 TEST_F(DropOffsTest, an_edge_seen_at_both_sides_of_what_hides_it_is_one) {
-  const auto cells = [&](bool box, bool at_left) {
+  enum class Between { box, post, level, unmatched };
+  const auto cells = [&](Between between, bool at_left) {
     const auto strips = [=](const Point& ray) {
       const Point h = horizontal(ray, pitch);
       const double z = ground(high)(ray), right = h.x * z;
-      if (z == 0 || h.z * z < 2) return z;
+      const bool ends = between == Between::unmatched || between == Between::post;
+      if (z == 0 || h.z * z < (ends && std::abs(right) < 0.35 ? 1.5 : 2)) return z;
       const bool lower = std::abs(right) > 0.35 && std::abs(right) < 0.55 && (at_left || right > 0);
-      return lower ? ground(1.4)(ray) : std::abs(right) < 0.35 && !box ? z : 0;
+      return lower ? ground(1.4)(ray) : std::abs(right) < 0.35 && between == Between::level ? z : 0;
     };
-    see(box ? with_wall(strips, 1.55, 0.6, -0.27, 0.27) : Scene(strips));
+    const double half = between == Between::box ? 0.27 : between == Between::post ? 0.03 : 0;
+    see(half > 0 ? with_wall(strips, 1.55, 0.6, -half, half) : Scene(strips));
     stage.reset();
     EXPECT_EQ(find(), Outcome::valid);
     map();
@@ -172,9 +175,11 @@ TEST_F(DropOffsTest, an_edge_seen_at_both_sides_of_what_hides_it_is_one) {
         count += ground_map[1]->at<uint8_t>(row, column) == static_cast<uint8_t>(CellReason::drop_off);
     return count;
   };
-  EXPECT_GT(cells(true, true), 3);
-  EXPECT_EQ(cells(true, false), 0) << "at one side of it";
-  EXPECT_EQ(cells(false, true), 0) << "floor between them";
+  EXPECT_GT(cells(Between::box, true), 3);
+  EXPECT_EQ(cells(Between::box, false), 0) << "at one side of it";
+  EXPECT_EQ(cells(Between::level, true), 0) << "floor between them";
+  EXPECT_EQ(cells(Between::unmatched, true), 0) << "nothing is matched between them, and nothing stands before that";
+  EXPECT_EQ(cells(Between::post, true), 0) << "a post hides one column of seven";
 }
 
 // Far away a few windows that are matched wrong are a few columns.

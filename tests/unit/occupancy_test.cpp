@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/stages/occupancy.h"
 
+#include "daemon/stages/limits_mm.h"
 #include "daemon/stages/show_scene.h"
 #include "tests/support/plane_scene.h"
 
@@ -173,6 +174,27 @@ TEST_F(OccupancyTest, a_few_pixels_in_the_air_stay_suspected_where_floor_is_seen
   EXPECT_GE(hangs(true, -0.14, 0.14), 65) << "a beam";
 }
 
+// 160 pixels over max_height, fewer than a window and a half; to each side of it floor is seen behind. In the middle of a column it hides
+// six tenths of a cell behind, between two columns a third of each.
+TEST_F(OccupancyTest, a_low_narrow_post_stands_where_floor_is_seen_beside_it) {
+  for (const double middle : {0.0, 0.05}) {
+    for (const bool stands : {true, false}) {
+      see(ground(high));
+      stage.reset();
+      ASSERT_EQ(find(), Outcome::valid);
+      see([&](const Point& ray) {
+        const Point h = horizontal(ray, pitch);
+        const double near = ground(high)(ray), z = (std::fmod(ray.x * 144 + 1000, 1) < 0.5 ? 1.58 : 1.62) / h.z, up = high - h.y * z;
+        const bool post = (stands ? up > 0 && up < 0.28 : up > 0.5 && up < 0.58) && std::abs(h.x * z - middle) < 0.03;
+        return post ? z : near;
+      });
+      map();
+      const int most = std::max({risk(1.55, 0), risk(1.65, 0), risk(1.55, 0.1), risk(1.65, 0.1)});
+      EXPECT_EQ(most >= 65, stands) << middle << ": " << most;
+    }
+  }
+}
+
 // Columns 68 on can be matched: of the cell that has 68 and 69 at 3 m a part is out of view, of that of 150 and 151 none is.
 TEST_F(OccupancyTest, what_stands_alone_at_the_rim_of_the_view_may_be_part_of_something_larger) {
   const auto stands = [&](int first, double top) {
@@ -194,6 +216,17 @@ TEST_F(OccupancyTest, what_stands_alone_at_the_rim_of_the_view_may_be_part_of_so
   };
   EXPECT_GE(stands(68, 0.27), 65);
   EXPECT_EQ(stands(150, 0.28), 64);
+}
+
+// To the nearest mm, as heights are; three quarters of 57.8 mm are 43.35.
+TEST(LimitsMm, all_stages_have_the_limits_of_height_to_the_nearest_mm) {
+  Config config;
+  config.limit.max_height = 0.0578f;
+  config.limit.clearance = 2.0497f;
+  const LimitsMm limits(config);
+  EXPECT_EQ(limits.step, 58);
+  EXPECT_EQ(limits.clearance, 2050);
+  EXPECT_EQ(limits.hole, 43);
 }
 
 // A step that the rover climbs is floor, also where it is upright.
