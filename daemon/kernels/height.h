@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #include "daemon/kernels/search.h"
@@ -28,16 +27,11 @@ struct HeightRow {
   int hole_mm;       ///< positive; from minus this on downwards: below
 };
 
-/// Per raw disparity, from search.first on: inverse = camera / d' of it, profile = height of the local floor over the plane, mm. Both are
-/// packed in one number, for one load.
+/// Per raw disparity, from search.first on: inverse = camera / d' of it, profile = height of the local floor over the plane, mm.
 struct HeightOf {
   float inverse, profile;
 };
-inline int64_t packed(const HeightOf& one) { return std::bit_cast<int64_t>(one); }
-struct HeightTable {
-  const int64_t* heights;
-  HeightOf operator[](int i) const { return std::bit_cast<HeightOf>(heights[i]); }
-};
+using HeightTable = const HeightOf*;
 
 /// One row of `n` disparities: height in mm, rounded towards zero and held within +-32000 (`none` where there is no disparity), the
 /// surface, and the disparity again where it is an obstacle and where it is an overhang, else `refused`.

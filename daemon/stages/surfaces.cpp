@@ -27,7 +27,7 @@ std::vector<ImageSpec> Surfaces::check(std::span<const ImageSpec> in) {
   require(in[2], Pixel::gray8, "the left view");
   require_same_size(in[0], in[2]);
   const size_t columns = 16 * static_cast<size_t>(config_.image_source.ndisp) + 64;
-  heights_.assign(columns, 0);
+  heights_.assign(columns, kernels::HeightOf{});
   upright_.prepare(in[0]);
   rising_.prepare(in[0]);
   filling_.prepare(in[0]);
@@ -52,10 +52,9 @@ Outcome Surfaces::process(std::span<const Image* const> in, std::span<Image* con
   const int most = std::min<int>(search.columns + 16, static_cast<int>(heights_.size()));
   for (int column = search.least - search.first; column < most; ++column) {
     const double d = true_disparity(disparity.camera, column);
-    heights_[static_cast<size_t>(column)] =
-        kernels::packed({static_cast<float>(camera_mm / d), static_cast<float>(1000 * floor.elevation_of(d))});
+    heights_[static_cast<size_t>(column)] = {static_cast<float>(camera_mm / d), static_cast<float>(1000 * floor.elevation_of(d))};
   }
-  const kernels::HeightTable table{heights_.data()};
+  const kernels::HeightTable table = heights_.data();
   const LimitsMm limits(config_);
   for (Image* image : out) image->flags |= in[1]->flags & flag_held;
   machine_.bands.run(disparity.spec.height, least_band, [&](int first, int last, int) {

@@ -35,7 +35,7 @@ class Surfaces final : public ImageProcessor {
   Upright upright_;
   RisingGround rising_;
   Filling filling_;
-  kernels::Aligned<int64_t> heights_;  // kernels::HeightTable
+  kernels::Aligned<kernels::HeightOf> heights_;  // kernels::HeightTable
 };
 
 }  // namespace vdisp

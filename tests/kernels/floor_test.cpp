@@ -100,9 +100,9 @@ struct Heights {
 
 TEST(MeasureHeights, is_the_same_at_every_level) {
   const Search search{-32, 16, 16 * 48};
-  std::vector<int64_t> table(static_cast<size_t>(search.columns));
+  std::vector<HeightOf> table(static_cast<size_t>(search.columns));
   for (size_t i = 0; i < table.size(); ++i)
-    table[i] = packed({800.0f * 16 / static_cast<float>(static_cast<int>(i) - 31), static_cast<float>(i % 100) - 50});
+    table[i] = {800.0f * 16 / static_cast<float>(static_cast<int>(i) - 31), static_cast<float>(i % 100) - 50};
   at_each_level([&](const std::string&, const Kernels& k) {
     for (int n : {1, 7, 16, 33, 640, 641}) {
       std::minstd_rand random(static_cast<uint32_t>(n));
@@ -111,8 +111,8 @@ TEST(MeasureHeights, is_the_same_at_every_level) {
       if (n == 640) std::fill(d.begin() + 100, d.begin() + 300, int16_t{-32003});  // whole vectors without a disparity
       Heights expected(d.size()), got(d.size());
       const HeightRow row{800, 12.3f, 0.017f, 200, 900, 150};
-      plain::measure_heights(d.data(), n, search, row, {table.data()}, expected.out());
-      k.measure_heights(d.data(), n, search, row, {table.data()}, got.out());
+      plain::measure_heights(d.data(), n, search, row, table.data(), expected.out());
+      k.measure_heights(d.data(), n, search, row, table.data(), got.out());
       ASSERT_EQ(got, expected) << n << " pixels";
     }
   });
@@ -125,15 +125,15 @@ TEST(MeasureHeights, limits_belong_to_what_lies_beyond_them_and_heights_end_at_3
   const Surface expected[] = {Surface::floor, Surface::obstacle, Surface::obstacle, Surface::overhang, Surface::floor,
                               Surface::below, Surface::floor,    Surface::overhang, Surface::overhang, Surface::overhang,
                               Surface::below, Surface::below,    Surface::below};
-  std::vector<int64_t> table(64);
+  std::vector<HeightOf> table(64);
   std::vector<int16_t> d(64);
   for (size_t i = 0; i < 64; ++i) {
-    table[i] = packed({0, -static_cast<float>(of_pixel[i % 13])});
+    table[i] = {0, -static_cast<float>(of_pixel[i % 13])};
     d[i] = static_cast<int16_t>(i);
   }
   at_each_level([&](const std::string& level, const Kernels& k) {
     Heights h(d.size());
-    k.measure_heights(d.data(), 64, search, {0, 20, 0, 200, 900, 150}, {table.data()}, h.out());
+    k.measure_heights(d.data(), 64, search, {0, 20, 0, 200, 900, 150}, table.data(), h.out());
     for (size_t i = 1; i < 64; ++i) {
       EXPECT_EQ(h.height[i], std::clamp(of_pixel[i % 13], -32000, 32000)) << level;
       EXPECT_EQ(h.surface[i], static_cast<uint8_t>(expected[i % 13])) << level << ", " << of_pixel[i % 13] << " mm";
@@ -146,11 +146,11 @@ TEST(MeasureHeights, limits_belong_to_what_lies_beyond_them_and_heights_end_at_3
 /// A camera 0.8 m high sees the floor with 20 px: what has 40 px there lies halfway to it, and so halfway up.
 TEST(MeasureHeights, follow_from_the_proportion_of_disparities) {
   const Search search{0, 16, 16 * 64};
-  std::vector<int64_t> table(1024);
-  for (size_t i = 1; i < table.size(); ++i) table[i] = packed({800.0f * 16 / static_cast<float>(i), i == 16 * 40 ? 100.0f : 0.0f});
+  std::vector<HeightOf> table(1024);
+  for (size_t i = 1; i < table.size(); ++i) table[i] = {800.0f * 16 / static_cast<float>(i), i == 16 * 40 ? 100.0f : 0.0f};
   const std::vector<int16_t> d{16 * 20, 16 * 40, 16 * 60, 16 * 16, 0};
   Heights h(d.size());
-  plain::measure_heights(d.data(), 5, search, {800, 20, 0, 200, 500, 150}, {table.data()}, h.out());
+  plain::measure_heights(d.data(), 5, search, {800, 20, 0, 200, 500, 150}, table.data(), h.out());
   EXPECT_EQ(h.height[0], 0);
   EXPECT_EQ(h.height[1], 300) << "400 mm over the plane, and the local floor 100 mm";
   EXPECT_EQ(h.height[2], 533);
