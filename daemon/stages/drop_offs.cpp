@@ -9,6 +9,8 @@
 namespace vdisp {
 namespace {
 
+constexpr double least_beyond = 0.4;                      // of what a cell shows
+constexpr int least_hole = 4;                             // samples of it
 constexpr double visible_by = 0.09, beside_slope = 0.05;  // rad, m
 constexpr int floor_leads = 3;                            // cells: floor no farther than this before a drop-off leads up to it
 constexpr int slope_cells = 5;                            // that the ground's slope before a drop-off is taken from
@@ -24,6 +26,19 @@ constexpr int least_ends = 3;                             // columns in which th
 
 }  // namespace
 
+Occupancy::Beyond Occupancy::what_is_beyond(const Tally& tally) noexcept {
+  const auto is_enough = [&](double count) { return count >= least_hole && count >= least_beyond * tally.all; };
+  auto [count, height, ahead] = tally.beyond;
+  const bool sure = is_enough(count);
+  if (!sure) {
+    count += tally.lower.count;
+    height += tally.lower.height;
+    ahead += tally.lower.ahead;
+  }
+  if (!is_enough(count)) return {};
+  return {static_cast<float>(height / count), static_cast<float>(ahead / count), 2 * tally.wall > count, sure};
+}
+
 void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) noexcept {
   std::fill(edges_.begin(), edges_.end(), -1);
   const double cell = config_.map.cell, least = hole_of_step * config_.limit.max_height;
@@ -33,7 +48,7 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) noe
       uint8_t& why = reason.row<uint8_t>(row)[column];
       if (why == static_cast<uint8_t>(CellReason::floor)) last_floor = row;
       const Beyond& seen = beyond_[static_cast<size_t>(row * columns_ + column)];
-      if (seen.ahead <= 0 || last_floor < 0 || last_floor - row > floor_leads) continue;
+      if (!seen.sure || last_floor < 0 || last_floor - row > floor_leads) continue;
       const double edge = (rows_ - last_floor - 0.5) * cell, here = in.floor.elevation(edge);
       const double slope = std::min((here - in.floor.elevation(edge - slope_cells * cell)) / (slope_cells * cell), 0.0);
       // A slope falls away gradually, as far as it can be seen at all: 5 degrees less steep than the line of sight.
@@ -45,7 +60,8 @@ void Occupancy::drop_offs(const Inputs& in, Image& occupancy, Image& reason) noe
         if (r < 0 || r >= rows_ || c < 0 || c >= columns_) return false;
         const Beyond& through = beyond_[static_cast<size_t>(r * columns_ + c)];
         if (through.wall) return true;
-        return through.ahead > 0 &&
+        // What may as well stand behind a crest speaks for an edge only beside what hides the rest of it.
+        return through.ahead > 0 && (through.sure || is_hidden(r, c)) &&
                here + slope * (static_cast<double>(through.ahead) - edge) - static_cast<double>(through.height) >= at_least;
       };
       if (!is_deep(row, column, std::max(least, of_slope))) continue;

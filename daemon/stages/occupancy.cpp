@@ -13,11 +13,10 @@ namespace {
 constexpr double share_for_e = 0.24;  // pixels seen, of those expected, for 1 - 1 / e, where floor is seen beside them
 constexpr double share_alone = 0.06;  // the same where none is
 constexpr int occupied = occupied_from;
-constexpr int least_weak = 50;                                                                // what is less, and not on floor, is not told
-constexpr double least_floor = 0.25, least_free = 0.4, sure_floor = 0.6, least_beyond = 0.4;  // of what a cell shows
+constexpr int least_weak = 50;                                            // what is less, and not on floor, is not told
+constexpr double least_floor = 0.25, least_free = 0.4, sure_floor = 0.6;  // of what a cell shows
 constexpr double uneven_of_step = 0.4;  // a cell's floor may be this part of max_height lower than the local floor
 constexpr double whole_floor = 0.8;     // of what a cell shows: hardly anything stands before it
-constexpr int least_hole = 4;           // samples
 constexpr int dark = 14, bright = 250;  // grey levels
 
 /// By the code of a pixel without a disparity.
@@ -142,6 +141,13 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
   const int nearest = static_cast<int>(std::floor(most)), farthest = static_cast<int>(std::ceil(least)),
             lowest = static_cast<int>(-1000 * uneven_of_step * config_.limit.max_height);
   const int hole = LimitsMm(config_).hole;
+  const auto see_through = [&](Tally::Through& what, int d, int height) {
+    const double depth = in.view.f * in.view.baseline / (d / 16.0 - in.view.cx_offset),
+                 ahead = (depth - in.pose.height * in.to_camera.sin_pitch) / in.to_camera.cos_pitch;
+    ++what.count;
+    what.height += height / 1000.0 + in.floor.elevation(ahead);
+    what.ahead += ahead;
+  };
   for (int j = 0; j < down; ++j) {
     const int v = static_cast<int>(top + (j + 0.5) * (bottom - top) / down);
     const int16_t *d = in.disparity.row<int16_t>(v), *height = in.height.row<int16_t>(v);
@@ -155,17 +161,14 @@ void Occupancy::look(const Inputs& in, const Box& box, Tally& tally) const noexc
                                : height[u] != height_unknown ? CellReason::occluded  // upright, and its foot is hidden
                                                              : why_rejected[rejected_code(d[u])];
         ++tally.why[static_cast<size_t>(why)];
+        if (height[u] <= -hole && height[u] != height_unknown && d[u] < farthest) see_through(tally.lower, d[u], height[u]);
       } else if (d[u] > nearest) {
         ++tally.nearer;
       } else if (what == kernels::Surface::floor && d[u] >= farthest && height[u] >= lowest) {
         ++tally.floor;
       } else if (what == kernels::Surface::floor || what == kernels::Surface::below) {
-        const double depth = in.view.f * in.view.baseline / (d[u] / 16.0 - in.view.cx_offset),
-                     ahead = (depth - in.pose.height * in.to_camera.sin_pitch) / in.to_camera.cos_pitch;
-        ++tally.beyond;
         tally.wall += what == kernels::Surface::below && height[u] > -hole;
-        tally.height += height[u] / 1000.0 + in.floor.elevation(ahead);
-        tally.ahead += ahead;
+        see_through(tally.beyond, d[u], height[u]);
       } else {
         ++tally.why[static_cast<size_t>(CellReason::occluded)];
       }
@@ -220,7 +223,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
   if (risk >= occupied) return say(risk, CellReason::obstacle);
   const auto otherwise = [&] {
     std::array<int, cell_reasons> sums = tally.why;
-    sums[static_cast<size_t>(CellReason::occluded)] += tally.nearer + tally.beyond;
+    sums[static_cast<size_t>(CellReason::occluded)] += tally.nearer + static_cast<int>(tally.beyond.count);
     return static_cast<CellReason>(std::max_element(sums.begin(), sums.end()) - sums.begin());
   };
   if (tally.floor >= least_floor * all && tally.all > 0) {
@@ -229,9 +232,7 @@ void Occupancy::judge(const Inputs& in, int row, int column, Image& occupancy, I
     return say(std::max(floor, risk), CellReason::floor);
   }
   if (risk >= least_weak) return say(risk, CellReason::obstacle);
-  if (tally.beyond >= least_hole && tally.beyond >= least_beyond * all)
-    beyond_[cell] = {static_cast<float>(tally.height / tally.beyond), static_cast<float>(tally.ahead / tally.beyond),
-                     2 * tally.wall > tally.beyond};
+  beyond_[cell] = what_is_beyond(tally);
   if (overhangs_[cell] >= config_.map.minCount && tally.all == 0) return say(-1, CellReason::overhang);
   if (tally.all == 0) return say(-1, CellReason::out_of_view);
   if (where.d_far > in.nearest) return say(-1, CellReason::too_near);

@@ -21,12 +21,12 @@ namespace vdisp {
 /// Floor (paper 5.4): the cell is looked up in the image, through the local floor, and what is seen there tallied: floor at the cell's own
 /// depth, something nearer (occluded), something farther, or no disparity and why. Joined: an obstacle beats floor; no floor is seen in the
 /// shadow of an obstacle, which is as long as one of max_height throws; where floor leads up to a cell through which something is seen that
-/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if it does so in as many columns as
-/// a few windows of the matcher are wide, at one side or both of what stands before it, and it goes on along its line, and for a cell
-/// behind what hides the rest; a small patch of floor by itself is a false match, or the top of something behind a crest; floor up to half
-/// a window before what has no texture may be the window's; a cell that shows less than 0.4 of floor leads on to others, and is not free
-/// itself; an obstacle in one cell alone takes twice the pixels, and a narrow one of hardly more pixels than a window of the matcher, so
-/// far off that the least object has no more, or with floor under it, stays suspected; what is none of this is unknown.
+/// lies lower than the floor would go on, or the far side of a ditch, a drop-off begins, if in as many columns as a few windows are wide,
+/// at one side or both of what stands before it; it goes on along its line, and for a cell behind what hides the rest; a small patch of
+/// floor by itself is a false match, or the top of something behind a crest; floor up to half a window before what has no texture may be
+/// the window's; a cell that shows less than 0.4 of floor leads on to others, and is not free itself; an obstacle in one cell alone takes
+/// twice the pixels, and a narrow one of hardly more pixels than a window of the matcher, so far off that the least object has no more, or
+/// with floor under it, stays suspected; what is none of this is unknown.
 class Occupancy final : public ImageProcessor {
  public:
   Occupancy(Machine& machine, const Config& config) : machine_(machine), config_(config) {}
@@ -37,8 +37,10 @@ class Occupancy final : public ImageProcessor {
   static constexpr int most_samples = 6;                        // of a cell, each way
   static constexpr double depth_off = 1.0, depth_share = 0.03;  // px, and of the disparity: as deep as the cell
   struct Tally {
-    int all = 0, floor = 0, nearer = 0, beyond = 0, wall = 0;
-    double height = 0, ahead = 0;  // of what is beyond: sums, m over the plane and along the ground
+    int all = 0, floor = 0, nearer = 0, wall = 0;
+    struct Through {
+      double count = 0, height = 0, ahead = 0;  // sums of m over the plane and along the ground
+    } beyond, lower;                            // on ground or a far wall; upright and lower than the floor, of a foot that is hidden
     std::array<int, cell_reasons> why{};
   };
   struct Inputs {
@@ -49,11 +51,11 @@ class Occupancy final : public ImageProcessor {
     ToCamera to_camera;
     double nearest;  // true disparity, px, beyond which nothing is matched
   };
-  /// What is seen through a cell: m over the plane, and m along the ground; ahead = 0: nothing. `wall`: the far side of a ditch, hardly
-  /// lower.
+  /// What is seen through a cell, in the mean; ahead = 0: nothing. `wall`: the far side of a ditch, hardly lower. `sure`: not only by what
+  /// is upright and hides its foot, which may as well stand behind a crest.
   struct Beyond {
     float height, ahead;
-    bool wall;
+    bool wall, sure;
   };
   struct Box {
     double left, right, top, bottom, d_far, d_near;  // px
@@ -66,6 +68,7 @@ class Occupancy final : public ImageProcessor {
   double part_in_view(const Inputs& in, const Box& box) const noexcept;
   double expected(const Inputs& in, const Box& box) const noexcept;
   int seen(int row, int column) const noexcept;
+  static Beyond what_is_beyond(const Tally& tally) noexcept;
   void judge(const Inputs& in, int row, int column, Image& occupancy, Image& reason) noexcept;
   double windows(const Inputs& in, int row) const noexcept;
   template <class Is>
@@ -108,12 +111,9 @@ class Occupancy final : public ImageProcessor {
   kernels::GroundScratch scratch_;
   std::vector<int16_t> all_limit_, obstacles_, overhangs_;  // limit that everything is above; counts by cell
   std::vector<Beyond> beyond_;
-  std::vector<int> edges_;             // by column: the row where a drop-off begins, -1: none
-  std::vector<int> island_, counted_;  // cells of one patch; and of those beside them
-  std::vector<uint8_t> known_;
-  std::vector<CellReason> partly_;  // of a cell that shows a little floor: what else it shows; floor: no such cell
-  std::vector<uint8_t> whole_;      // whether a cell shows hardly anything but floor
-  std::vector<uint8_t> standing_;   // what is an obstacle, before any is doubted
+  std::vector<int> edges_, island_, counted_;      // by column: the row where a drop-off begins, -1: none; cells of one patch; those beside
+  std::vector<uint8_t> known_, whole_, standing_;  // marks; shows hardly anything but floor; an obstacle, before any is doubted
+  std::vector<CellReason> partly_;                 // of a cell that shows a little floor: what else it shows; floor: no such cell
   int rows_ = 0, columns_ = 0;
 };
 

@@ -182,6 +182,29 @@ TEST_F(DropOffsTest, an_edge_seen_at_both_sides_of_what_hides_it_is_one) {
   EXPECT_EQ(cells(Between::post, true), 0) << "a post hides one column of seven";
 }
 
+// Of a pit behind a box only the walls along the way are seen, at both sides of it: each column shows them farther off, and where they
+// stand is hidden.
+TEST_F(DropOffsTest, a_pit_is_told_by_its_sides_where_a_box_hides_the_rest) {
+  const auto cells = [&](double deep, double half) {
+    const Scene pit = [=](const Point& ray) {
+      const Point h = horizontal(ray, pitch);
+      const double z = ground(high)(ray), side = half / std::abs(h.x), bottom = (high + deep) / h.y;
+      return z == 0 || h.z * z < 2 || std::abs(h.x * z) > half ? z : std::min(side, bottom);
+    };
+    see(with_wall(pit, 1.55, 0.6, -0.3, 0.3));
+    stage.reset();
+    EXPECT_EQ(find(), Outcome::valid);
+    map();
+    int count = 0;
+    for (int row = 0; row < 50; ++row)
+      for (int column = 0; column < 51; ++column)
+        count += ground_map[1]->at<uint8_t>(row, column) == static_cast<uint8_t>(CellReason::drop_off);
+    return count;
+  };
+  EXPECT_GT(cells(0.5, 0.6), 0);
+  EXPECT_EQ(cells(0.05, 0.6), 0);
+}
+
 // Far away a few windows that are matched wrong are a few columns.
 TEST_F(DropOffsTest, an_edge_is_at_least_as_wide_as_a_few_windows) {
   const auto edge_cells = [&](double from, double half_width) {
